@@ -6,6 +6,7 @@
 
 column.msh            a hundred bricks of 1 m one upon the other: sets foot (the lowest), head (the highest), body
 ring.msh              a quarter of a lined circle in a square of ground, one layer along y
+koyna.msh             a slice of Koyna dam, one layer of 3 m along y: sets dam, upstream, foot, crest
 beam_20.msh .. _5     a notched beam with bricks of 20, 10 and 5 mm in its ligament, 50 mm thick
 """
 
@@ -150,8 +151,34 @@ def beam(size, name):
     mesh.write(name)
 
 
+def dam():
+    """A monolith of Koyna dam: a vertical upstream face at x = 0, a downstream face that changes its slope."""
+    mesh, across = Mesh(), 20
+    heights = [66.5 * k / 24 for k in range(24)] + [66.5 + 36.5 * k / 14 for k in range(15)]
+
+    def width(height):
+        if height < 66.5:
+            return 70.0 + (19.25 - 70.0) * height / 66.5
+        return 19.25 + (14.8 - 19.25) * (height - 66.5) / 36.5
+
+    for k, (low, high) in enumerate(zip(heights, heights[1:])):
+        for i in range(across):
+            corners = [(width(z) * (i + s) / across, y, z) for z in (low, high)
+                       for s, y in ((0, 0.0), (1, 0.0), (1, 3.0), (0, 3.0))]
+            sides = {}
+            if i == 0:
+                sides["left"] = "upstream"
+            if k == 0:
+                sides["bottom"] = "foot"
+            if k == len(heights) - 2:
+                sides["top"] = "crest"
+            mesh.brick("dam", corners, sides)
+    mesh.write("koyna.msh")
+
+
 if __name__ == "__main__":
     column()
     ring()
+    dam()
     for millimetres in (20, 10, 5):
         beam(millimetres / 1000, f"beam_{millimetres}.msh")

@@ -6,3 +6,4 @@ mod equilibrium;
 mod joints;
 mod sphere;
 mod tractions;
+mod water_wall;

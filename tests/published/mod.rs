@@ -3,6 +3,7 @@
 mod beam;
 mod bolts;
 mod concrete;
+mod dam;
 mod page;
 mod ring;
 mod tunnels;

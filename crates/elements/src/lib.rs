@@ -4,7 +4,8 @@
 //! [kernel](powerhouse_model::ElementKernel), such as [`Hex8OnePoint`], and any
 //! [law](powerhouse_model::ConstitutiveLaw). A block computes as many elements at once as the SIMD registers hold,
 //! with the bits of one element at a time, in double, mixed or single precision. [`BoltSet`] embeds rock bolts in
-//! solid elements; [`FacePressure`] and [`FaceTraction`] are consistent nodal loads of faces.
+//! solid elements; [`FacePressure`] and [`FaceTraction`] are consistent nodal loads of faces, [`FaceMass`] is the
+//! added mass of water beside them.
 //!
 //! Engines see a [`BlockFactory`](powerhouse_model::BlockFactory) and its blocks, never this crate.
 
@@ -20,4 +21,4 @@ pub use kernels::{
     Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, Pyramid5, SolidKernel, Tet4, Tet10,
     Wedge6,
 };
-pub use loads::{FacePressure, FaceTraction, NodalForce, Profile};
+pub use loads::{FaceMass, FacePressure, FaceTraction, NodalForce, Profile, WaterMass};

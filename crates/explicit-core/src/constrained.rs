@@ -3,7 +3,7 @@
 use powerhouse_model::{MassDampingRule, Vec3};
 
 use crate::gather::SlotTable;
-use crate::groups::NodeGroup;
+use crate::node_group::NodeGroup;
 use crate::nodes::{NodalArrays, Storage};
 use crate::tiled::{TILE, TiledSlots};
 

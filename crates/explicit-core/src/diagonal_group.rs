@@ -2,7 +2,7 @@
 
 use powerhouse_model::Vec3;
 
-use crate::groups::{Coefficients, NodeGroup, is_diagonal};
+use crate::node_group::{Coefficients, NodeGroup, is_diagonal};
 
 /// Diagonal form of the coefficients of a group of one node, valid where all its matrices are diagonal, as on the
 /// faces of a box; it takes two cache lines instead of eight.

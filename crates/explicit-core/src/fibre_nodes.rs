@@ -5,7 +5,7 @@ use powerhouse_model::Vec3;
 use rayon::prelude::*;
 
 use crate::gather::SlotTable;
-use crate::groups::{Coefficients, NodeGroup};
+use crate::node_group::{Coefficients, NodeGroup};
 use crate::nodes::{NodalArrays, Storage};
 use crate::tiled::{TILE, TiledSlots};
 

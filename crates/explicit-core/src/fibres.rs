@@ -22,7 +22,8 @@ use core::ops::Range;
 use powerhouse_model::{Checksum, Mat3, NodeCoupling, Vec3};
 use rayon::prelude::*;
 
-use crate::groups::{Coefficients, NodeGroup};
+use crate::inverse_root::InverseRoots;
+use crate::node_group::{Coefficients, NodeGroup};
 
 /// Groups and fibres per parallel task.
 const TASK: usize = 1024;
@@ -263,10 +264,23 @@ impl Fibres {
 
     /// Multiplies a vector of the leads of groups, in their free directions, by the root of the inverse of the inertia
     /// that fibres have with unit masses, `(1 + a) I - a u u^T` with `u_i^2 = m_i / s`: with the inverse roots of the
-    /// masses on both sides its square is the inverse inertia of the model.
-    pub(crate) fn apply_inverse_root(&self, groups: &[NodeGroup], vector: &mut [Vec3]) {
-        self.diagonal.apply_inverse_root(groups, vector);
-        self.full.apply_inverse_root(groups, vector);
+    /// masses on both sides its square is the inverse inertia of the model. Of fibres with an added mass see
+    /// [`directed_inverse_root`].
+    pub(crate) fn apply_inverse_root(
+        &self,
+        groups: &[NodeGroup],
+        roots: &InverseRoots,
+        vector: &mut [Vec3],
+    ) {
+        self.diagonal.apply_inverse_root(groups, roots, vector);
+        self.full.apply_inverse_root(groups, roots, vector);
+    }
+
+    /// The groups of fibres of which one has an added mass that differs by direction.
+    pub(crate) fn groups_beside_directed(&self, groups: &[NodeGroup]) -> Vec<u32> {
+        let mut found = self.diagonal.groups_beside_directed(groups);
+        found.extend(self.full.groups_beside_directed(groups));
+        found
     }
 }
 
@@ -495,8 +509,32 @@ impl<M: Map> FibreSet<M> {
         self.all.par_iter().map(of).collect()
     }
 
-    fn apply_inverse_root(&self, groups: &[NodeGroup], vector: &mut [Vec3]) {
+    fn groups_beside_directed(&self, groups: &[NodeGroup]) -> Vec<u32> {
+        let members = |fibre: &GroupFibre| &self.members[fibre.members.clone()];
+        let is_directed = |member: &Member<M>| groups[member.group as usize].has_directed_mass();
+        let found = self.all.iter().map(members);
+        let found = found.filter(|members| members.iter().any(is_directed));
+        found.flatten().map(|member| member.group).collect()
+    }
+
+    fn apply_inverse_root(&self, groups: &[NodeGroup], roots: &InverseRoots, vector: &mut [Vec3]) {
         for fibre in &self.all {
+            let members = &self.members[fibre.members.clone()];
+            let lead = |member: &Member<M>| groups[member.group as usize].members[0];
+            if roots.directed(lead(&members[0])).is_some() {
+                let own: Option<Vec<DirectedMember>> = members
+                    .iter()
+                    .map(|member| {
+                        let lead = lead(member);
+                        let root = roots.directed(lead)? * member.mass;
+                        Some(DirectedMember { lead, root })
+                    })
+                    .collect();
+                if let Some(own) = own {
+                    directed_inverse_root(fibre, &own, vector);
+                }
+                continue;
+            }
             let own = self.members[fibre.members.clone()].iter().map(|member| {
                 let root = (member.mass / fibre.mass).sqrt();
                 (&groups[member.group as usize], root)
@@ -527,5 +565,42 @@ impl<M: Map> FibreSet<M> {
                 *lead = *lead * alone + group.condition.free(shared * root);
             }
         }
+    }
+}
+
+/// A member of a fibre with added mass: its lead node, and its mass times the root of its inverse inertia by itself
+/// (kg^1/2).
+struct DirectedMember {
+    lead: u32,
+    root: Mat3,
+}
+
+/// Multiplies a vector of leads by what makes the root of the inverse inertia of a fibre of the roots of its groups by
+/// themselves, where these have added mass.
+///
+/// With the inertia `D` of the groups by themselves and `c = a / s` the inverse of `D - c m m^T` is
+/// `D^-1/2 (I + c U (I - c U^T U)^-1 U^T) D^-1/2`, `U = D^-1/2 m` (Woodbury 1950). The root of the middle is
+/// `I + U S U^T`; for an eigenvalue `g` of `U^T U`, `S` has `(1 / sqrt(1 - c g) - 1) / g`.
+fn directed_inverse_root(fibre: &GroupFibre, own: &[DirectedMember], vector: &mut [Vec3]) {
+    let (mut gram, mut sum) = (Mat3::zeros(), Vec3::zeros());
+    for DirectedMember { lead, root } in own {
+        gram += root * root;
+        sum += root * vector[*lead as usize];
+    }
+    let factor = fibre.added / fibre.mass;
+    let eigen = gram.symmetric_eigen();
+    let mut shared = Vec3::zeros();
+    for (&value, axis) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        let share = factor * value;
+        if share > HELD {
+            shared += axis * (axis.dot(&sum) * (1.0 / (1.0 - share).sqrt() - 1.0) / value);
+        }
+    }
+    for DirectedMember { lead, root } in own {
+        vector[*lead as usize] += root * shared;
     }
 }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::Model;
 use crate::applied::split;
+use crate::inverse_root::InverseRoots;
 use crate::nodes::{NodalArrays, Storage, with_nodes};
 use crate::ranks::Ranked;
 use crate::subdomain::Subdomain;
@@ -42,7 +43,7 @@ impl Model {
     ) -> HighestEigenvalue {
         self.complete_kick();
         let count = self.mass.len();
-        let scale = self.inverse_root_mass();
+        let roots = InverseRoots::new(self);
         let mut present = self.start_vector();
         let mut previous = vec![Vec3::zeros(); count];
         let (mut diagonal, mut off) = (Vec::new(), Vec::<f64>::new());
@@ -58,7 +59,7 @@ impl Model {
         }
         present.par_iter_mut().for_each(|x| *x /= size);
         loop {
-            let mut next = self.scaled_product(&scale, &present, &weight);
+            let mut next = self.scaled_product(&roots, &present, &weight);
             let alpha = self.node_sums().dot(&next, &present);
             let beta_before = off.last().copied().unwrap_or(0.0);
             next.par_iter_mut()
@@ -83,21 +84,6 @@ impl Model {
             present = next;
             present.par_iter_mut().for_each(|x| *x /= beta);
         }
-    }
-
-    /// `M^-1/2` of all nodes (kg^-1/2); zero at members of groups other than the lead, and without mass.
-    fn inverse_root_mass(&self) -> Vec<f64> {
-        (0..self.mass.len())
-            .map(|node| match self.group_of[node] {
-                None => self.mass[node],
-                Some(g) => {
-                    let group = &self.groups.groups[g as usize];
-                    let is_lead = group.members[0] as usize == node;
-                    if is_lead { group.mass } else { 0.0 }
-                }
-            })
-            .map(|mass| if mass > 0.0 { 1.0 / mass.sqrt() } else { 0.0 })
-            .collect()
     }
 
     /// A reproducible pseudo-random start vector with a share of every mode.
@@ -128,17 +114,17 @@ impl Model {
         }
     }
 
-    /// Product of `M^-1/2 K M^-1/2` with a reduced vector, `M` with the inertia that fibres add.
+    /// Product of `M^-1/2 K M^-1/2` with a reduced vector, `M` with added masses and the inertia that fibres add.
     fn scaled_product(
         &mut self,
-        scale: &[f64],
+        roots: &InverseRoots,
         vector: &[Vec3],
         weight: &(impl Fn(&dyn ElementBlock) -> f64 + Sync),
     ) -> Vec<Vec3> {
         let mut softened = Vec::new();
         if !self.groups.fibres.is_empty() {
             softened = vector.to_vec();
-            (self.groups.fibres).apply_inverse_root(&self.groups.groups, &mut softened);
+            (self.groups.fibres).apply_inverse_root(&self.groups.groups, roots, &mut softened);
         }
         let vector = if softened.is_empty() {
             vector
@@ -150,7 +136,7 @@ impl Model {
         // Members of a group move as its lead does.
         let value = |node: usize| {
             let lead = group_of[node].map_or(node, |g| groups[g as usize].members[0] as usize);
-            vector[lead] * scale[lead]
+            roots.times(lead, &vector[lead])
         };
         let mut product = with_nodes!(&mut self.nodes, arrays => {
             product(arrays, (subdomain, ranks), blocks, &value, (Operator::Elastic, weight))
@@ -159,12 +145,9 @@ impl Model {
             let sum: Vec3 = group.members.iter().map(|&m| product[m as usize]).sum();
             product[group.members[0] as usize] = sum;
         }
-        product
-            .par_iter_mut()
-            .zip(scale)
-            .for_each(|(x, s)| *x *= *s);
+        (product.par_iter_mut().enumerate()).for_each(|(node, x)| *x = roots.times(node, x));
         self.reduce(&mut product);
-        (self.groups.fibres).apply_inverse_root(&self.groups.groups, &mut product);
+        (self.groups.fibres).apply_inverse_root(&self.groups.groups, roots, &mut product);
         product
     }
 

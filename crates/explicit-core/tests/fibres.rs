@@ -7,9 +7,9 @@ use powerhouse_contact::{Frictionless, Joint, TiedPairs};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, ExplicitOnRanks, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
-    BlockFactory, BoundaryParts, ElementKind, EnergyCheck, Engine, Fibre, JointPair, Mat3, Mesh,
-    ModelSpec, NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError, RunOptions, State,
-    StepChoice, Support, ThreadRanks, TimeIntegrator, Vec3,
+    AddedMass, BlockFactory, BoundaryParts, ElementKind, EnergyCheck, Engine, Fibre, JointPair,
+    Mat3, Mesh, ModelSpec, NodalImpedance, PeriodicPairs, Precision, Prescribed, RunError,
+    RunOptions, State, StepChoice, Support, ThreadRanks, TimeIntegrator, Vec3,
 };
 
 use crate::support::{
@@ -17,7 +17,7 @@ use crate::support::{
     same_bits_over_threads,
 };
 
-fn rock() -> Links {
+pub(crate) fn rock() -> Links {
     Links::new("rock", ElementKind::Hex8, 9.0e9, 0.3, 2700.0)
 }
 
@@ -35,7 +35,7 @@ fn bars(places: &[f64], along: Vec3) -> Mesh {
 }
 
 /// Fibres of the nodes above each other of a box of hexahedra.
-fn columns_of([nx, ny, nz]: [usize; 3], added: impl Fn(usize) -> f64) -> Vec<Fibre> {
+pub(crate) fn columns_of([nx, ny, nz]: [usize; 3], added: impl Fn(usize) -> f64) -> Vec<Fibre> {
     let plane = (nx + 1) * (ny + 1);
     let column = |node: usize| Fibre {
         nodes: (0..=nz).map(|k| (node + k * plane) as u32).collect(),
@@ -109,18 +109,31 @@ fn a_fibre_of_two_masses_shifts_the_frequency_that_strains_it() {
     }
 }
 
-/// The stability limit `2 / w` of elements with fibres and supports, by dense matrices.
-fn dense_limit(
+/// Dense matrices of a body with added masses, fibres and supports.
+pub(crate) struct DenseBody {
+    pub(crate) stiffness: DMatrix<f64>,
+    pub(crate) inertia: DMatrix<f64>,
+    /// A base of the free motions.
+    pub(crate) base: DMatrix<f64>,
+}
+
+pub(crate) fn dense_body(
     mesh: &Mesh,
     factory: &dyn BlockFactory,
+    masses: &[AddedMass],
     (fibres, held): (&[Fibre], &[(Vec<u32>, Vec3)]),
-) -> f64 {
+) -> DenseBody {
     let elements: Vec<u32> = (0..mesh.element_count() as u32).collect();
     let (stiffness, mass) = dense(mesh, factory, &elements);
     let size = stiffness.nrows();
     let mut inertia = DMatrix::<f64>::zeros(size, size);
     for dof in 0..size {
         inertia[(dof, dof)] = mass[dof / 3];
+    }
+    for added in masses {
+        let at = 3 * added.node as usize;
+        let mut of_node = inertia.fixed_view_mut::<3, 3>(at, at);
+        of_node += added.mass;
     }
     for fibre in fibres {
         let sum: f64 = fibre.nodes.iter().map(|&n| mass[n as usize]).sum();
@@ -135,7 +148,7 @@ fn dense_limit(
             }
         }
     }
-    // A base of the free motions, from the projection that takes the held directions out.
+    // The base, from the projection that takes the held directions out.
     let mut free = DMatrix::<f64>::identity(size, size);
     for (nodes, direction) in held {
         let n = direction.normalize();
@@ -150,12 +163,49 @@ fn dense_limit(
     let eigen = free.symmetric_eigen();
     let kept: Vec<usize> = (0..size).filter(|&i| eigen.eigenvalues[i] > 0.5).collect();
     let base = eigen.eigenvectors.select_columns(&kept);
-    let inertia = base.transpose() * inertia * &base;
-    let stiffness = base.transpose() * stiffness * &base;
-    let root = inertia.cholesky().unwrap().l();
-    let inverse = root.try_inverse().unwrap();
-    let scaled = &inverse * stiffness * inverse.transpose();
-    2.0 / scaled.symmetric_eigenvalues().max().sqrt()
+    DenseBody {
+        stiffness,
+        inertia,
+        base,
+    }
+}
+
+impl DenseBody {
+    /// Circular frequencies (rad/s), from the lowest on, and modes of all nodes.
+    pub(crate) fn modes(&self) -> Vec<(f64, Vec<Vec3>)> {
+        let Self {
+            stiffness,
+            inertia,
+            base,
+        } = self;
+        let inertia = base.transpose() * inertia * base;
+        let stiffness = base.transpose() * stiffness * base;
+        let inverse = inertia.cholesky().unwrap().l().try_inverse().unwrap();
+        let eigen = (&inverse * stiffness * inverse.transpose()).symmetric_eigen();
+        let shapes = base * inverse.transpose() * eigen.eigenvectors;
+        let mut modes: Vec<(f64, Vec<Vec3>)> = (shapes.column_iter().zip(&eigen.eigenvalues))
+            .map(|(shape, square)| {
+                let nodes = shape.as_slice().as_chunks::<3>().0.iter();
+                let shape = nodes.map(|&node| Vec3::from(node)).collect();
+                (square.max(0.0).sqrt(), shape)
+            })
+            .collect();
+        modes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        modes
+    }
+
+    /// The stability limit `2 / w` (s).
+    pub(crate) fn limit(&self) -> f64 {
+        2.0 / self.modes().last().unwrap().0
+    }
+}
+
+fn dense_limit(
+    mesh: &Mesh,
+    factory: &dyn BlockFactory,
+    (fibres, held): (&[Fibre], &[(Vec<u32>, Vec3)]),
+) -> f64 {
+    dense_body(mesh, factory, &[], (fibres, held)).limit()
 }
 
 /// With fibres of any added inertia through flat and distorted bricks, free, on an oblique roller or between rollers
@@ -261,7 +311,7 @@ fn momentum_is_conserved() {
 }
 
 /// A body with everything that acts at nodes, with fibres across its supports, dashpots, ties and prescribed motions.
-fn with_everything(mesh: &Mesh, precision: Precision, step: f64) -> ModelSpec<'_> {
+pub(crate) fn with_everything(mesh: &Mesh, precision: Precision, step: f64) -> ModelSpec<'_> {
     let set = |name| mesh.node_set(name).unwrap().to_vec();
     let impedance = set("x0").into_iter().map(|node| {
         NodalImpedance::new(

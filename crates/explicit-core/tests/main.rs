@@ -1,5 +1,6 @@
 //! The engine: integrators, the stable step, equilibrium, stages, ranks.
 
+mod added_mass;
 mod energy;
 mod exact;
 mod fibres;

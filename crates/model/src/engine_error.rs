@@ -165,11 +165,9 @@ pub enum EngineError {
         /// Number of the node.
         node: u64,
     },
-    /// A load on both sides of a face, in the constructors of `FacePressure` and
-    /// `FaceTraction`: a pressure cancels, a traction counts twice.
-    #[error(
-        "the loaded facets include both sides of the face between elements {element} and {other}"
-    )]
+    /// A load or added mass on both sides of a face, in the constructors of `FacePressure`, `FaceTraction` and
+    /// `FaceMass`: a pressure cancels, a traction or mass counts twice.
+    #[error("the facets include both sides of the face between elements {element} and {other}")]
     BothSides {
         /// Number of the element on one side.
         element: u64,
@@ -183,6 +181,44 @@ pub enum EngineError {
         what: &'static str,
         /// Number of the node.
         node: u64,
+    },
+    /// A facet that is deeper under water than its added mass is defined, in the constructor of `FaceMass`.
+    #[error(
+        "the facet of element {element} reaches to {depth:.6} m below the level; the added mass is defined to {most:.6} m"
+    )]
+    TooDeep {
+        /// Number of the element.
+        element: u64,
+        /// Greatest depth of a corner (m).
+        depth: f64,
+        /// Greatest depth at which the mass is defined (m).
+        most: f64,
+    },
+    /// Facets for an added mass none of which is under water, in the constructor of `FaceMass`.
+    #[error("none of the {count} facets is below the level {level} m")]
+    DryFacets {
+        /// Number of facets.
+        count: usize,
+        /// Elevation of the level (m).
+        level: f64,
+    },
+    /// Facets that are not those of a conduit of a diameter, in the constructor of `FaceMass`.
+    #[error(
+        "the facets do not surround water with the diameter {given} m: their curvature is that of {found:.4} m (negative where they bulge into the water, infinite where they are plane); it may differ by 20 %"
+    )]
+    OtherDiameter {
+        /// Diameter by the angles between the facets (m).
+        found: f64,
+        /// Diameter given (m).
+        given: f64,
+    },
+    /// An [added mass](crate::AddedMass) that a node cannot have.
+    #[error("node {node} cannot have an added mass: {reason}")]
+    AddedMass {
+        /// Number of the node.
+        node: u64,
+        /// Why it cannot.
+        reason: &'static str,
     },
     /// A node that belongs to two constraints.
     #[error("node {node} belongs to both constraints '{first}' and '{second}'")]

@@ -19,6 +19,7 @@
 //! *Dispatch is dynamic once per block and step*, static inside: see [`ElementBlock`] and
 //! [`ConstitutiveLaw`].
 
+mod added_mass;
 mod assembly;
 mod block_law;
 mod boundary;
@@ -68,6 +69,7 @@ mod stress_field;
 mod support;
 mod tensor;
 
+pub use added_mass::AddedMass;
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use block_law::{BlockLaw, BlockLawInput};
 pub use boundary::{

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::{
-    BlockFactory, BoundaryParts, CheckpointSink, Constraint, EmbeddedElements, Mesh, NodalLoad,
-    PeriodicPairs, Prescribed, SavedRun, State, Support, TimeFunction, Vec3,
+    AddedMass, BlockFactory, BoundaryParts, CheckpointSink, Constraint, EmbeddedElements, Mesh,
+    NodalLoad, PeriodicPairs, Prescribed, SavedRun, State, Support, TimeFunction, Vec3,
 };
 
 /// A selection of elements: a named set, or mesh indices.
@@ -59,6 +59,8 @@ pub struct ModelSpec<'a> {
     pub weights: Vec<(Vec3, Box<dyn TimeFunction>)>,
     /// Springs, dashpots, loads and blocks of absorbing boundaries.
     pub boundaries: Vec<BoundaryParts>,
+    /// Added masses of nodes; those of one node add up.
+    pub added_masses: Vec<AddedMass>,
     /// Constraints, such as joints.
     pub constraints: Vec<Box<dyn Constraint>>,
     /// Embedded elements, such as bolts, which act on nodes of the mesh.
@@ -89,6 +91,7 @@ impl<'a> ModelSpec<'a> {
             loads: Vec::new(),
             weights: Vec::new(),
             boundaries: Vec::new(),
+            added_masses: Vec::new(),
             constraints: Vec::new(),
             embedded: Vec::new(),
             start: None,
@@ -152,6 +155,12 @@ impl<'a> ModelSpec<'a> {
     #[must_use]
     pub fn boundary(mut self, parts: BoundaryParts) -> Self {
         self.boundaries.push(parts);
+        self
+    }
+    /// Adds added masses of nodes with elements, in addition to those that the nodes have already.
+    #[must_use]
+    pub fn added_masses(mut self, masses: impl IntoIterator<Item = AddedMass>) -> Self {
+        self.added_masses.extend(masses);
         self
     }
     /// Adds a constraint, such as joints, which corrects predicted velocities.

@@ -89,6 +89,8 @@ pub(crate) struct SceneSpans {
     pub(crate) stages: StageSpans,
     /// Name of the case of the scene.
     pub(crate) case: Option<String>,
+    /// Facet sets of added masses, by name.
+    pub(crate) added_masses: BTreeMap<String, Range<usize>>,
     /// Prescribed motions, with their node numbers in the mesh file.
     pub(crate) prescribed: Vec<(Range<usize>, Vec<u64>)>,
 }
@@ -146,6 +148,7 @@ impl SceneSpans {
                 _ => return None,
             },
             Error::UnusedField { .. } => self.field.clone(),
+            Error::Water(error) => return self.added_masses.get(error.set()).cloned(),
             Error::EmptyRim { set, .. } => return self.rims.get(set).cloned(),
             Error::Staging { stage, source } => {
                 return self.stages.find(stage.as_deref(), source.item());

@@ -60,6 +60,7 @@ mod stage;
 mod surroundings;
 mod through;
 mod timing;
+mod water_mass;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
@@ -97,6 +98,7 @@ pub use stage::{
     StagingError, WeightLayer,
 };
 pub use through::ThroughError;
+pub use water_mass::{AddedWater, WaterBeside, WaterError};
 
 /// Parts of scenes that crates of files and results need, and programs do not.
 #[doc(hidden)]

@@ -282,6 +282,10 @@ impl Scene {
             spec = spec.boundary(parts);
         }
         spec = self.acted_on(spec, None);
+        for (mass, report) in self.added_masses(present)? {
+            spec = spec.added_masses(mass.masses().iter().copied());
+            remarks.push(Remark::AddedWater(report));
+        }
         let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own)?;
         for joint in joints {
             spec = spec.constraint(Box::new(joint) as Box<dyn Constraint>);

@@ -16,7 +16,7 @@ use crate::engine::{Leapfrog, standard_engine};
 use crate::in_use::InUse;
 use crate::{
     Boundary, Error, FibreOptions, InSituStress, Mirror, OutputPlan, Part, Places, Remark,
-    SceneBolts, SceneJoint, SceneRemark, SceneStage, Subject, places::placed,
+    SceneBolts, SceneJoint, SceneRemark, SceneStage, Subject, WaterBeside, places::placed,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
@@ -131,6 +131,8 @@ pub struct Scene {
     #[doc(hidden)]
     pub weights: Vec<(Vec3, SharedFunction)>,
     #[doc(hidden)]
+    pub waters: Vec<WaterBeside>,
+    #[doc(hidden)]
     pub constraints: Vec<Box<dyn Constraint>>,
     #[doc(hidden)]
     pub joints: Vec<SceneJoint>,
@@ -198,6 +200,7 @@ impl Scene {
             prescribed: Vec::new(),
             loads: Vec::new(),
             weights: Vec::new(),
+            waters: Vec::new(),
             constraints: Vec::new(),
             joints: Vec::new(),
             in_situ_stress: None,

@@ -99,7 +99,7 @@ impl Shares {
 }
 
 /// Refuses facets that include both sides of a face, as a set inside a body may.
-fn check_sides(mesh: &Mesh, facets: &[Facet]) -> Result<(), EngineError> {
+pub(super) fn check_sides(mesh: &Mesh, facets: &[Facet]) -> Result<(), EngineError> {
     let mut seen: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
     let tag = |element: u32| mesh.element_tags()[element as usize];
     for facet in facets {

@@ -168,3 +168,110 @@ fn below_in_quadrilateral(corners: &[Vec3], depths: [f64; 4]) -> Vec<Point> {
     }
     points
 }
+
+/// Gauss point of the part of a facet between two depths.
+pub(super) struct DepthPoint {
+    /// Shape functions of the nodes of the facet.
+    pub(super) shape: Vec<f64>,
+    /// Outward vector area.
+    pub(super) area: Vec3,
+    /// Depth, which is linear between the corners.
+    pub(super) depth: f64,
+}
+
+/// Points of the part of a facet whose depth, given at its nodes, is between two: 8 x 8 for each part in which the depths
+/// of its sides do not pass one of the two. Natural coordinates are those in which the root of the depth is linear, so that
+/// functions of that root, as of a mass that begins at the level, are integrated as polynomials are.
+pub(super) fn points_between(corners: &[Vec3], depths: &[f64], band: [f64; 2]) -> Vec<DepthPoint> {
+    let mut points = Vec::new();
+    match triangles(corners.len()) {
+        None => strips(corners, depths, &[0, 1, 2, 3], band, &mut points),
+        Some(triangles) => {
+            for [a, b, c] in triangles {
+                // A triangle is a quadrilateral with two corners at one place.
+                strips(corners, depths, &[*a, *b, *c, *c], band, &mut points);
+            }
+        }
+    }
+    points
+}
+
+/// Adds the points of a quadrilateral, whose corners are some nodes of a facet.
+fn strips(
+    nodes: &[Vec3],
+    depths: &[f64],
+    of_nodes: &[usize; 4],
+    [top, bottom]: [f64; 2],
+    points: &mut Vec<DepthPoint>,
+) {
+    let corners = of_nodes.map(|node| nodes[node]);
+    let depths = of_nodes.map(|node| depths[node]);
+    let edges = [[depths[0], depths[3]], [depths[1], depths[2]]];
+    let on = |ends: [f64; 2], at: f64| 0.5 * ((1.0 - at) * ends[0] + (1.0 + at) * ends[1]);
+    let mut breaks = vec![-1.0, 1.0];
+    for [from, to] in edges {
+        for limit in [top, bottom].into_iter().filter(|limit| limit.is_finite()) {
+            let at = (2.0 * limit - from - to) / (to - from);
+            breaks.extend((at.abs() < 1.0).then_some(at));
+        }
+    }
+    breaks.sort_by(f64::total_cmp);
+    let deepest = |s: f64| on(edges[0], s).max(on(edges[1], s)).min(bottom);
+    for ends in breaks.windows(2).filter(|ends| ends[0] < ends[1]) {
+        let ends = [ends[0], ends[1]];
+        for (s, of_line) in by_root(ends, ends.map(deepest)) {
+            let [left, right] = edges.map(|edge| on(edge, s));
+            let within = |limit: f64| (2.0 * limit - left - right) / (right - left);
+            // Where the line is level, all of it is within or none.
+            let (mut low, mut high) = (-1.0_f64, 1.0_f64);
+            for limit in [top, bottom] {
+                let is_within = |depth: f64| match limit == top {
+                    true => depth >= top,
+                    false => depth <= bottom,
+                };
+                match (is_within(left), is_within(right)) {
+                    (true, true) => {}
+                    (true, false) => high = high.min(within(limit)),
+                    (false, true) => low = low.max(within(limit)),
+                    (false, false) => (low, high) = (1.0, -1.0),
+                }
+            }
+            if low >= high {
+                continue;
+            }
+            let line = [low, high];
+            let of_ends = line.map(|r| on([left, right], r));
+            for (r, of_point) in by_root(line, of_ends) {
+                let (own, area) = natural_point(&corners, r, s);
+                let mut shape = vec![0.0; nodes.len()];
+                for (&node, share) in of_nodes.iter().zip(own) {
+                    shape[node] += share;
+                }
+                points.push(DepthPoint {
+                    shape,
+                    area: area * (of_line * of_point),
+                    depth: on([left, right], r).clamp(top.max(0.0), bottom),
+                });
+            }
+        }
+    }
+}
+
+/// Eight points with weights of an interval between the ends of which the root of a depth, linear between these, is taken
+/// as the coordinate.
+fn by_root(ends: [f64; 2], depths: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
+    let [first, last] = depths.map(|depth| depth.max(0.0).sqrt());
+    let sum = first + last;
+    let of_eight = EIGHT
+        .iter()
+        .flat_map(|&(at, weight)| [(-at, weight), (at, weight)]);
+    of_eight
+        .filter(move |_| sum > 0.0)
+        .map(move |(at, weight)| {
+            let t = 0.5 * (1.0 + at);
+            let root = first + t * (last - first);
+            let length = ends[1] - ends[0];
+            let place = ends[0] + length * t * (first + root) / sum;
+            (place, 0.5 * weight * length * 2.0 * root / sum)
+        })
+}

@@ -1,5 +1,6 @@
 //! What every block must do, whatever its kernel, law, precision and width.
 
+mod added_mass;
 mod boxes;
 mod elastic;
 mod grout;

@@ -2,7 +2,7 @@ use powerhouse_elements::{FacePressure, FaceTraction, Profile};
 use powerhouse_model::{ElementKind, Mesh, NodalLoad, Vec3};
 
 /// One element with a face of some corners, in turn seen from outside, and an apex behind it.
-fn element(face: &[Vec3]) -> Mesh {
+pub(super) fn element(face: &[Vec3]) -> Mesh {
     let mut builder = Mesh::builder();
     let middle: Vec3 = face.iter().sum::<Vec3>() / face.len() as f64;
     let normal = (face[1] - face[0]).cross(&(face[2] - face[0])).normalize();

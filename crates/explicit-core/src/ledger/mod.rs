@@ -44,7 +44,7 @@ struct SetBalance {
 /// At the time of the displacement the scheme conserves `1/2 v- . M v+` with the velocities half a step
 /// before and after. Kinetic energy is output with their mean, never negative; the difference to the conserved form,
 /// `-1/8 (v+ - v-) . M (v+ - v-)`, is the column "time step", which falls with the square of the step. Of
-/// the inertia that fibres add, a column of its own has the energy at the mean velocity. The work of a
+/// added masses, and of the inertia that fibres add, columns of their own have the energy at the mean velocity. The work of a
 /// nodal force at time `t` is half with the velocity before, half with that after `t`; the energy of elements
 /// follows from their stresses and strains. All columns then add up to a constant, to rounding.
 /// Sums over the steps are kept for each block, each range of nodes and each constraint; at a reading they are added
@@ -187,10 +187,11 @@ impl Model {
                 }
                 let internal = total_energy(energies.iter(), present.team).total();
                 let [kinetic, _] = present.kinetic(&ledger.ranges);
-                let [added, ..] = present.kinetic_of_fibres();
+                let [of_added, _] = present.kinetic_of_added(&ledger.ranges);
+                let [of_fibres, ..] = present.kinetic_of_fibres();
                 // Constraints report whole steps, of which the first half precedes the balance.
                 let of_constraints = ledger.constraint_work(0, present.team);
-                ledger.origin = Some(kinetic + added + internal - of_constraints);
+                ledger.origin = Some(kinetic + of_added + of_fibres + internal - of_constraints);
                 ledger.potential = present.load_potential(&ledger.ranges);
             } else {
                 self.record_sets(&mut ledger, step);
@@ -353,7 +354,8 @@ impl Ledger {
         let energies = &self.set_energies(energies, team)[..];
         let of_mass = present.kinetic(&self.ranges);
         let of_fibres = present.kinetic_of_fibres();
-        let kinetic = of_mass[0] + of_fibres[0];
+        let of_added = present.kinetic_of_added(&self.ranges);
+        let kinetic = of_mass[0] + of_added[0] + of_fibres[0];
         let nodal = self.nodal_work(team);
         let [friction, bond, stored, impact, external] = self.reported_energies(team);
         let loads = nodal.loads + present.load_potential(&self.ranges) - self.potential;
@@ -363,7 +365,7 @@ impl Ledger {
         let prescribed = nodal.prescribed + 0.5 * of_step;
         let spent = [
             ("kinetic", of_mass[0] + of_mass[1]),
-            ("time step", -of_mass[1] - of_fibres[1]),
+            ("time step", -of_mass[1] - of_added[1] - of_fibres[1]),
             ("elastic", sum.elastic + stored),
             ("bending", sum.bending),
             ("hourglass", sum.hourglass),
@@ -382,7 +384,7 @@ impl Ledger {
             ("constraints", external + pending),
         ];
         let input = loads + prescribed;
-        // The first two columns, and that of fibres, add up to the kinetic energy of the scheme.
+        // The first two columns, and those of added masses and fibres, add up to the kinetic energy of the scheme.
         let rest: f64 = spent[2..].iter().map(|(_, energy)| energy).sum();
         let balance = kinetic + rest;
         let residual = balance - input - initial;
@@ -406,6 +408,9 @@ impl Ledger {
             false => residual - rounding.copysign(residual),
         };
         let mut columns = spent.to_vec();
+        if present.has_added_masses {
+            columns.insert(1, ("added mass", of_added[0] + of_added[1]));
+        }
         if present.has_fibres() {
             columns.insert(1, ("added inertia", of_fibres[0] + of_fibres[1]));
         }

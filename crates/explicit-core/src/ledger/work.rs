@@ -97,6 +97,8 @@ pub(super) struct MidStep<'a> {
     sums: &'a LoadSums,
     mass: &'a [f64],
     mass_damping: &'a [f64],
+    /// Whether the model has added masses, on any rank.
+    pub(super) has_added_masses: bool,
     pub(super) team: &'a Communicator,
     rule: MassDampingRule,
     step: f64,
@@ -150,6 +152,7 @@ impl Model {
             sums: &self.loads.sums,
             mass: &self.mass,
             mass_damping: &self.mass_damping,
+            has_added_masses: self.has_added_masses,
             team: &self.ranks.team,
             rule: self
                 .prepared
@@ -284,7 +287,7 @@ impl MidStep<'_> {
         })
     }
 
-    /// Kinetic energy of the scheme (J), `1/2 v- . M v+`, and what the kinetic energy of the mean velocity has in
+    /// Kinetic energy of the scheme (J) without added masses, `1/2 v- . M v+`, and what the kinetic energy of the mean velocity has in
     /// addition, `1/8 (v+ - v-) . M (v+ - v-)`.
     pub(super) fn kinetic(&self, ranges: &[RangeWork]) -> [f64; 2] {
         let motion = &self.groups.motion;
@@ -296,6 +299,30 @@ impl MidStep<'_> {
                 let mass = self.groups.groups[g as usize].mass;
                 across += mass * before.dot(&after);
                 squares += mass * (after - before).norm_squared();
+            }
+            [0.5 * across, 0.125 * squares]
+        };
+        let of_ranges: Vec<[f64; 2]> = ranges.par_iter().map(of_range).collect();
+        let column = |column: usize| of_ranges.iter().map(|energies| energies[column]).collect();
+        self.team.totals([column(0), column(1)])
+    }
+
+    /// The same of the added masses.
+    pub(super) fn kinetic_of_added(&self, ranges: &[RangeWork]) -> [f64; 2] {
+        if !self.has_added_masses {
+            return [0.0; 2];
+        }
+        let motion = &self.groups.motion;
+        let of_range = |range: &RangeWork| {
+            let (mut across, mut squares) = (0.0, 0.0);
+            for &g in &range.groups {
+                let group = &self.groups.groups[g as usize];
+                if group.has_directed_mass() {
+                    let (before, after) = (motion.previous[g as usize], motion.next[g as usize]);
+                    let change = after - before;
+                    across += before.dot(&(group.directed_mass * after));
+                    squares += change.dot(&(group.directed_mass * change));
+                }
             }
             [0.5 * across, 0.125 * squares]
         };

@@ -107,6 +107,16 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
             boundary_loads.push(with_engine_nodes(load, &numbers, mesh)?);
         }
     }
+    let mut added_masses = Vec::with_capacity(spec.added_masses.len());
+    for item in &spec.added_masses {
+        let of_mesh = &numbering.local_of[..mesh.node_count()];
+        let node = engine_node("an added mass", item.node, of_mesh)?;
+        if orphans.binary_search(&node).is_ok() {
+            let (node, reason) = (tag(mesh, item.node), "it has no active elements");
+            return Err(EngineError::AddedMass { node, reason }.into());
+        }
+        added_masses.push((node, item));
+    }
     let mut ranked = assembly.placed(team, &numbering, &spec.constraints, &spec.periodic);
     let orphans = orphans.into_iter().map(|node| ranked.local(node));
     let orphans: Vec<u32> = orphans.filter(|&node| node != ABSENT).collect();
@@ -150,6 +160,9 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     for (node, item) in &impedance {
         plan.add_impedance(*node, item)?;
     }
+    for (node, item) in &added_masses {
+        plan.add_mass(*node, item)?;
+    }
     for support in &spec.supports {
         plan.hold(support)?;
     }
@@ -192,6 +205,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         nodes,
         mass,
         mass_damping,
+        has_added_masses: !added_masses.is_empty(),
         group_of,
         groups,
         loads,

@@ -6,7 +6,8 @@ use powerhouse_model::{EngineError, Fibre, FrequencyBound, Mat3, ModelError, Nod
 
 use super::Model;
 use crate::fibres::Fibres;
-use crate::groups::{Groups, NodeGroup};
+use crate::groups::Groups;
+use crate::node_group::NodeGroup;
 
 /// A fibre by the lead nodes of its groups, in rising order, with its added inertia over mass (1).
 type LeadFibre = (Vec<u32>, f64);

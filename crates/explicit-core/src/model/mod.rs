@@ -75,6 +75,8 @@ pub struct Model {
     pub(crate) mass: Vec<f64>,
     /// Mass damping of each engine node (kg/s); empty if there is none.
     pub(crate) mass_damping: Vec<f64>,
+    /// Whether nodes have added masses, those of other ranks included.
+    pub(crate) has_added_masses: bool,
     /// Group of each engine node.
     pub(crate) group_of: Vec<Option<u32>>,
     pub(crate) groups: Groups,

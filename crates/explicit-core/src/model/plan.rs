@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    Constraint, EngineError, Mat3, Mesh, NodalImpedance, PeriodicPairs, Prescribed, Support,
+    AddedMass, Constraint, EngineError, Mat3, Mesh, NodalImpedance, PeriodicPairs, Prescribed,
+    Support,
 };
 
-use crate::groups::NodeGroup;
+use crate::node_group::NodeGroup;
 use crate::ranks::ABSENT;
 use crate::subdomain::Numbering;
 
@@ -114,6 +115,20 @@ impl<'a> GroupPlan<'a> {
         let group = self.entry(engine);
         group.spring += item.spring;
         group.dashpot += item.dashpot;
+        Ok(())
+    }
+
+    pub(super) fn add_mass(&mut self, engine: u32, item: &AddedMass) -> Result<(), EngineError> {
+        if !is_positive_semidefinite(&item.mass) {
+            let (node, reason) = (
+                self.tag_of(engine),
+                "it is not symmetric and positive semi-definite",
+            );
+            return Err(EngineError::AddedMass { node, reason });
+        }
+        if self.is_here[engine as usize] && item.mass != Mat3::zeros() {
+            self.entry(engine).directed_mass += item.mass;
+        }
         Ok(())
     }
 

@@ -50,6 +50,7 @@ pub(crate) fn fingerprint(spec: &ModelSpec) -> u64 {
         add_loads(&mut sum, &parts.loads);
         sum.add_number(parts.blocks.len() as u64);
     }
+    sum.add_whole(format!("{:?}", spec.added_masses).as_bytes());
     for constraint in &spec.constraints {
         sum.add_whole(constraint.name().as_bytes());
         add_nodes(&mut sum, constraint.nodes());

@@ -3,7 +3,7 @@
 use powerhouse_model::{Mat3, Vec3};
 
 use crate::condition::Condition;
-use crate::groups::NodeGroup;
+use crate::node_group::NodeGroup;
 
 /// Lead of a node without unknowns.
 const FIXED: u32 = u32::MAX;

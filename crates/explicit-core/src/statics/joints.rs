@@ -8,7 +8,7 @@ use powerhouse_model::{
 };
 
 use crate::Model;
-use crate::groups::NodeGroup;
+use crate::node_group::NodeGroup;
 
 /// Length of step (s) in which joint laws are evaluated for tractions in static equilibrium; forces do not
 /// depend on it.

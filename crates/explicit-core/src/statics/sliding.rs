@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 use powerhouse_model::{DisjointSets, Vec3};
 
-use crate::groups::NodeGroup;
+use crate::node_group::NodeGroup;
 
 /// Length of a unit vector below which what is left of it, after its parts along others are taken off, is rounding.
 const DEPENDENT: f64 = 1.0e-8;

@@ -1,6 +1,7 @@
 //! Scenes from files and from Rust: accepted input, errors, and results of runs.
 
 mod abaqus;
+mod added_mass;
 mod band_limited;
 mod base_motion;
 mod bending;

@@ -1,5 +1,6 @@
 //! Composition of a scene from its file: resolves names into sets, materials, fields and loads.
 
+mod added_mass;
 mod damping;
 mod draft;
 mod equivalent_linear;
@@ -183,6 +184,7 @@ pub(crate) fn compose(
         scene.remarks.extend(long);
     }
     loads::loads(&names, &file.loads, &mut scene)?;
+    added_mass::added_masses(&names, &file.added_masses, &mut scene)?;
     stages::stages(text, &names, file, &materials, &mut scene)?;
     let lacking = scene.lacking_ground();
     scene.remarks.extend(lacking.map(Remark::Scene));
@@ -250,7 +252,7 @@ fn ordered(span: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), F
     }
 }
 
-/// Warnings about empty sets of supports and loads, as of a part of the mesh that was cut off.
+/// Warnings about empty sets of supports, loads and added masses, as of a part of the mesh that was cut off.
 fn empty_sets(names: &Names, file: &SceneSpec) -> Vec<Remark> {
     let of_stages = || file.stages.iter();
     let supports = (file.supports.iter().flat_map(|support| support.sets()))
@@ -267,8 +269,11 @@ fn empty_sets(names: &Names, file: &SceneSpec) -> Vec<Remark> {
     };
     let of_supports = supports.filter(|set| has_no_nodes(set));
     let of_loads = loads.filter(is_idle).filter_map(|load| load.set());
+    let of_masses = file.added_masses.iter().map(|mass| mass.set());
+    let of_masses = of_masses.filter(|set| names.facets(set).is_ok_and(|facets| facets.is_empty()));
     let empty: BTreeSet<String> = of_supports
         .chain(of_loads)
+        .chain(of_masses)
         .map(|set| set.to_string())
         .collect();
     let remarks = empty.into_iter().map(|set| Remark::EmptySet { set });

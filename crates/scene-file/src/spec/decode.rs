@@ -14,7 +14,8 @@ use super::{Material, Parameters, SceneSpec, change, former};
 use powerhouse_scene::{Fault, Problem};
 
 /// Keys whose table, or whose tables in an array, have a variant selected by `kind`.
-const TAGGED: [&str; 11] = [
+const TAGGED: [&str; 12] = [
+    "added_mass",
     "baseline",
     "damping",
     "function",

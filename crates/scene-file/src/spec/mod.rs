@@ -8,6 +8,7 @@
 //! Materials, joints and boundaries are open: their `law` and `kind` are looked up in a
 //! [`Registry`](crate::Registry), so that scenes can name user-defined types.
 
+mod added_mass;
 mod at;
 mod case;
 mod change;
@@ -44,6 +45,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use added_mass::AddedMass;
 pub use at::At;
 pub use case::Case;
 pub(crate) use case::OfCase;
@@ -137,6 +139,9 @@ pub struct SceneSpec {
     /// the run, unless `removed_in` names the stage that removes them.
     #[serde(rename = "load", default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<At<Load>>,
+    /// Added masses of water beside facet sets, in the run alone; none by default.
+    #[serde(rename = "added_mass", default, skip_serializing_if = "Vec::is_empty")]
+    pub added_masses: Vec<At<AddedMass>>,
     /// In-situ stress of the ground before the first construction stage; zero by default.
     pub in_situ_stress: Option<At<InSituStress>>,
     /// Rock bolts; a construction stage installs them.

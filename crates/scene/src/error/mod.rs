@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use crate::{
     LayerError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
-    SceneFault, StagingError, ThroughError,
+    SceneFault, StagingError, ThroughError, WaterError,
 };
 
 /// Error in reading, composing, running or writing a scene.
@@ -125,6 +125,9 @@ pub enum Error {
     /// Part that cannot run through absorbing faces.
     #[error(transparent)]
     Through(#[from] ThroughError),
+    /// Water beside the body that cannot have an added mass, found by [`Scene::prepare`](crate::Scene::prepare).
+    #[error(transparent)]
+    Water(#[from] WaterError),
     /// Free field without effect on the model: a scene that starts at rest has no absorbing boundary, or its boundary has
     /// no input.
     #[error("the field '{field}' has no effect: {reason}")]

@@ -75,6 +75,7 @@ impl Remark {
                 ..
             } => padding != waves,
             Self::Scene(warning) => warning.is_warning(),
+            Self::AddedWater(water) => water.is_warning(),
             Self::Split { report, .. } => {
                 report.condition > LARGE_CONDITION || report.misfit > LARGE_MISFIT
             }

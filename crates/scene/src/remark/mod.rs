@@ -18,7 +18,7 @@ use powerhouse_wavefield::{
     StationReport, WaveKind,
 };
 
-use crate::{BendingError, SceneRemark};
+use crate::{AddedWater, BendingError, SceneRemark};
 use powerhouse_laws::DampingCost;
 
 /// Standard gravity (m/s2).
@@ -293,7 +293,7 @@ pub enum Remark {
         /// Name of the record.
         name: String,
     },
-    /// Warning: the set of a support or load is empty, so that it has no effect.
+    /// Warning: the set of a support, load or added mass is empty, so that it has no effect.
     EmptySet {
         /// Name of the set.
         set: String,
@@ -492,6 +492,8 @@ pub enum Remark {
     },
     /// Fact: a material has water in its pores.
     PoreWater(SaturatedMaterial),
+    /// Added mass of water beside a facet set; a warning if the facets lean too much for its formula.
+    AddedWater(AddedWater),
     /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).
     Rim {
         /// Element set of the part.

@@ -346,7 +346,7 @@ impl fmt::Display for Remark {
             }
             Self::EmptySet { set } => write!(
                 f,
-                "the set '{set}' of a support or load is empty: it has no effect"
+                "the set '{set}' of a support, load or added mass is empty: it has no effect"
             ),
             Self::NoState { name, element } => write!(
                 f,
@@ -587,6 +587,7 @@ impl fmt::Display for Remark {
                 write!(f, "damping of part '{set}'{of}: {cost}")
             }
             Self::PoreWater(material) => write!(f, "{material}"),
+            Self::AddedWater(water) => write!(f, "{water}"),
             Self::Rim {
                 set,
                 width,

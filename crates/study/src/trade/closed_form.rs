@@ -21,6 +21,9 @@ fn disturbance(spec: &SceneSpec) -> Option<&'static str> {
     if !spec.loads.is_empty() || !spec.bolts.is_empty() {
         return Some("it has loads or bolts");
     }
+    if !spec.added_masses.is_empty() {
+        return Some("it has added masses");
+    }
     if spec.supports.iter().any(holds) {
         return Some("it has fixed or prescribed nodes");
     }
