@@ -26,6 +26,7 @@ mod checksum;
 mod constraint;
 mod constraint_parts;
 mod contact_law;
+mod delayed;
 mod disjoint_sets;
 mod elastic_domain;
 mod element;
@@ -80,6 +81,7 @@ pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
 };
 pub use disjoint_sets::DisjointSets;
+pub use delayed::DelayedPairs;
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound, HistoryUpdate,
