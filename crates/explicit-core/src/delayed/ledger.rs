@@ -171,6 +171,11 @@ impl Model {
         })
     }
 
+    /// Whether no element has history variables.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.blocks.iter().all(|block| block.history().is_empty())
+    }
+
     /// Begins the energy balance of a slice at the present time, unless it has begun.
     pub(super) fn begin_slice_balance(&mut self, step: f64) {
         let begins = |slice: &super::DelayedSlice| slice.work.origin.is_none();

@@ -127,6 +127,13 @@ impl DelayedSlice {
         subdomain: &Subdomain,
         blocks: &[Box<dyn ElementBlock>],
     ) -> Result<Self, EngineError> {
+        for block in blocks {
+            // The lumped rows are those of the whole stiffness: with less of it the scheme may grow.
+            if block.history().iter().any(|field| field.name.contains("damage")) {
+                let what = format!("the damage of set '{}'", block.label());
+                return Err(with(what, "take an elastic or plastic law"));
+            }
+        }
         let mesh_of = &subdomain.numbering.mesh_of;
         let tag = |node: u32| mesh.node_tags()[mesh_of[node as usize] as usize];
         let height = |node: u32| mesh.positions()[mesh_of[node as usize] as usize].y;

@@ -59,12 +59,38 @@ const TABLE: [(WaveKind, f64, f64, f64, f64); 9] = [
     (SH, 30.0, 90.0, 1.2e-2, 3.1e-3),
 ];
 
+/// With 29 elements per wavelength the motion is that of the wave within 1.2 times the error of the other implementation,
+/// at slownesses up to 0.985 of that of P waves.
 #[test]
 fn a_slice_moves_as_the_free_field_at_any_azimuth() {
-    for (kind, incidence, azimuth, coarse, fine) in TABLE {
+    for (kind, incidence, azimuth, coarse, _) in TABLE {
         let found = error(kind, [incidence, azimuth], 10.0, SolidKernel::Hex8Full);
-        let halved = error(kind, [incidence, azimuth], 5.0, SolidKernel::Hex8Full);
+        let case = format!("{kind} at {incidence} and {azimuth} degrees: {found:.3e}");
+        assert!(found < 1.2 * coarse, "{case}");
+    }
+}
+
+/// Errors fall with the square of the element size; with 57 elements per wavelength they are within 1.2 times those of the
+/// table. Two minutes: `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
+#[test]
+#[ignore = "two minutes"]
+fn errors_of_the_free_field_fall_with_the_square_of_the_size() {
+    for (kind, incidence, azimuth, _, fine) in TABLE {
+        let size = |size| error(kind, [incidence, azimuth], size, SolidKernel::Hex8Full);
+        let [found, halved] = [10.0, 5.0].map(size);
         let order = (found / halved).log2();
-        println!("{kind} {incidence} {azimuth}: {found:.3e} ({coarse:.1e}), {halved:.3e} ({fine:.1e}), order {order:.2}");
+        println!("{kind} {incidence} {azimuth}: {found:.3e} {halved:.3e} order {order:.2}");
+        assert!(halved < 1.2 * fine, "{kind} {incidence} {azimuth}: {halved:.3e}");
+        assert!((1.9..2.1).contains(&order), "{kind} {incidence} {azimuth}: {order:.2}");
+    }
+}
+
+/// The kernels of one point, with bending and with enhanced strains err no more than full integration does.
+#[test]
+fn all_kernels_of_bricks_move_as_the_free_field() {
+    let angles = [30.0, 90.0];
+    for kernel in [SolidKernel::Hex8Natural, SolidKernel::Hex8Eas, SolidKernel::ONE_POINT] {
+        let found = error(SV, angles, 20.0, kernel);
+        assert!(found < 1.2 * 4.0 * 9.9e-3, "{kernel:?}: {found:.3e}");
     }
 }

@@ -6,7 +6,7 @@ mod steps;
 
 use std::sync::Arc;
 
-use powerhouse_boundary::{Viscous, ViscousSpring};
+use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Model};
 use powerhouse_material_damage::LinearElastic;
@@ -69,11 +69,6 @@ pub(super) fn spec<'a>(
             pairs: pairs(mesh),
             slowness,
         }))
-}
-
-/// Dashpots alone, for what needs no scatterer.
-pub(super) fn dashpots(site: &BoundarySite) -> powerhouse_model::BoundaryParts {
-    Viscous::default().build(site).unwrap()
 }
 
 /// Motion of the slice at the middle of each pair (m).

@@ -47,6 +47,15 @@ pub enum Support {
         /// Node, facet or element set of the second face: the first one, translated.
         to: At<String>,
     },
+    /// Delayed sides: the two sides of a slice along y, for a structure that is long along y under waves of any azimuth. The
+    /// side of larger y moves as the other one, later by the travel time of the waves along y; in construction stages both
+    /// move as one. All waves need one slowness along y, below that of P waves in every part.
+    Delayed {
+        /// Node, facet or element set of the first side.
+        from: At<String>,
+        /// Node, facet or element set of the second side: the first one, translated along y.
+        to: At<String>,
+    },
     /// Prescribed motion along one direction, free across it.
     Prescribed {
         /// Node, facet or element set.
@@ -73,7 +82,7 @@ impl Support {
             | Self::Symmetry { set, .. }
             | Self::Antisymmetry { set, .. }
             | Self::Prescribed { set, .. } => vec![set],
-            Self::Periodic { from, to } => vec![from, to],
+            Self::Periodic { from, to } | Self::Delayed { from, to } => vec![from, to],
         }
     }
 }
