@@ -3,7 +3,7 @@
 //! With velocities `v` of x and z, displacements `w` of y, inertia `M` less `s^2 A`, stiffness `K` of both and the skew coupling
 //! `D` of a linear slice, `M v' = -K u - D w'` and `M w'' = -K w + D^T v`, so that `x = (v, w)` obeys `x'' = -L x`:
 //!
-//! `L (v, w) = (M^-1 (K v + D b), -b)`, less by signs: `b = M^-1 (K w - D^T v)`,
+//! `L (v, w) = (M^-1 (K v - D b), b)` with `b = M^-1 (K w - D^T v)`,
 //!
 //! which is self-adjoint in the product `v.M v + w.K w`. Its largest eigenvalue is the square of the highest frequency, and
 //! the staggered scheme is stable up to `2 / w` exactly.
@@ -156,7 +156,8 @@ impl Model {
         let still = vec![Vec3::zeros(); count];
         let plane = |x: &Vec3| Vec3::new(x.x, 0.0, x.z);
         let velocity: Vec<Vec3> = of.x.iter().map(plane).collect();
-        let (coupling, _) = self.slice_response(&still, &velocity);
+        // `T` of y follows displacements of x and z, its rate therefore their velocities.
+        let (coupling, tractions) = self.slice_response(&velocity, &velocity);
         let mut motion = vec![Vec3::zeros(); count];
         let mut along = vec![Vec3::zeros(); count];
         for (g, group) in self.groups.groups.iter().enumerate() {
@@ -167,7 +168,7 @@ impl Model {
                 continue;
             }
             let turned = group.gyroscopic * velocity[g];
-            let force = of.force[g] + coupling[g].y + turned.y;
+            let force = of.force[g] + coupling[g].y + tractions[g].y * slice.slowness + turned.y;
             along[g].y = -force / slice.inertia(group, g).y;
         }
         for (motion, (velocity, along)) in motion.iter_mut().zip(velocity.iter().zip(&along)) {
