@@ -79,9 +79,9 @@ pub fn run(
     run_reporting(model, integrator, options, observers, progress).map_err(|failure| failure.error)
 }
 
-/// Largest residual of the energy balance of a slice with laws that are not linear, whose momentum follows from forces of the
-/// step before; it falls with the step.
-const DELAYED_LIMIT: f64 = 2e-2;
+/// Largest residual of the energy balance of a slice with laws that are not linear: where a material cracks, the difference
+/// between the consistent and the lumped sums of its tractions is energy that nothing accounts for, some per cent in coarse meshes.
+const DELAYED_LIMIT: f64 = 0.1;
 
 fn failed(name: &str, step: u64, source: powerhouse_model::ModelError) -> RunError {
     RunError::Observer {

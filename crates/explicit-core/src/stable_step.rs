@@ -212,7 +212,7 @@ impl Model {
         };
         let groups = self.groups.groups.iter().enumerate();
         let left = groups.filter(|(_, group)| group.mass > 0.0);
-        let left = left.map(|(g, group)| (slice.inertia(group, g) / group.mass).min());
+        let left = left.map(|(g, group)| (slice.inertia(g) / group.mass).min());
         1.0 / left.fold(1.0, f64::min).sqrt()
     }
 

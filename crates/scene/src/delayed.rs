@@ -206,7 +206,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Refuses damping, water and damage of parts.
+    /// Refuses damping and water of parts.
     fn check_parts_of_slice(&self) -> Result<(), DelayedError> {
         for part in &self.parts {
             let set = &part.set;
@@ -221,11 +221,6 @@ impl Scene {
             if part.material.pore_water().is_some() {
                 let way = "compute the part without water in its pores";
                 return Err(with(format!("water in the pores of part '{set}'"), way));
-            }
-            let damages = (part.material.history().iter()).any(|own| own.name.contains("damage"));
-            if damages {
-                let way = "take an elastic or plastic law, or a body with its whole length along y";
-                return Err(with(format!("the damage of part '{set}'"), way));
             }
         }
         Ok(())

@@ -152,7 +152,7 @@ impl Model {
             delay += s * velocity.dot(&traction) - 0.5 * s * s * velocity.dot(&spread);
             let mut change = motion.velocity[index] - motion.before[index];
             change.y = 0.0;
-            let inertia = slice.inertia(group, index);
+            let inertia = slice.inertia(index);
             time_step -= 0.125 * inertia.component_mul(&change).dot(&change);
         }
         // The product uses the buffers of the forces, which may be read again.

@@ -3,6 +3,10 @@
 //! An element with the velocities `v_j` of its pairs has the strain `-s v` along y, and with it `T_i = ... - s A_ij v_j`, `A` a
 //! consistent matrix: a stiffness times a volume. Lumped it is `-s A_i v_i` with the sum `A_i` of the row, by which
 //! `T_i` changes by `s A_ij (v_j - v_i)`.
+//!
+//! Where damage has taken a share of the stiffness of an element, its matrix counts with the share that is left: with the
+//! whole of it, the velocities of the step before would act with more stiffness than there is, and the motion of a part that breaks
+//! would diverge near the highest slowness. Plastic flow leaves the whole.
 
 use powerhouse_model::{ElementBlock, EngineError, Operator, Vec3};
 
@@ -21,20 +25,31 @@ struct Entry {
     axial: f64,
 }
 
-/// The rows of `A` of one group: one of each of its elements.
+/// The rows of `A` of all groups: one of each of their elements.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lumping {
     /// Rows of each group, by offsets.
     rows_of: Vec<u32>,
+    /// Element of each row, in the order of the blocks.
+    element_of: Vec<u32>,
     /// Entries of each row, by offsets.
     entries_of: Vec<u32>,
     entries: Vec<Entry>,
+    /// Names of the damage variables of each block, with its first element.
+    damage_of: Vec<(u32, Vec<String>)>,
+    /// Share of the stiffness of each element that damage leaves (1); empty if no block damages.
+    remaining: Vec<f64>,
+    /// Place of each entry in `merged`.
+    merged_of: Vec<u32>,
+    /// Rows of all elements of each group together, by offsets.
+    merged_offsets: Vec<u32>,
+    merged: Vec<Entry>,
     /// Sum of the entries of all rows of each group along each axis, `A_i` (N m).
     rigidity: Vec<Vec3>,
 }
 
-/// A row under construction: its group and entries.
-type Row = (u32, Vec<Entry>);
+/// A row under construction: its group, element and entries.
+type Row = (u32, u32, Vec<Entry>);
 
 impl Lumping {
     /// From the elastic matrices of all elements; `place` has the group of each node and the sign of its side, `half` is half
@@ -47,12 +62,17 @@ impl Lumping {
     ) -> Result<Self, EngineError> {
         let mut rows: Vec<Row> = Vec::new();
         let mut coupled = None;
+        let mut element = 0;
+        let mut damage_of = Vec::new();
         for (index, block) in blocks.iter().enumerate() {
             let nodes = subdomain.nodes_of(index);
+            damage_of.push((element, damage_variables(block.as_ref())));
             block.each_matrix(Operator::Elastic, &mut |local, matrix| {
                 let places = local.iter().map(|&n| place[nodes[n as usize] as usize]);
                 let places: Vec<(u32, f64)> = places.collect();
-                if !add_rows(&places, (matrix, half), &mut rows) {
+                let place = (element, half);
+                element += 1;
+                if !add_rows(&places, (matrix, place), &mut rows) {
                     coupled = Some(block.label().to_owned());
                 }
             });
@@ -63,24 +83,104 @@ impl Lumping {
                 way: "take isotropic laws and elements extruded along y",
             });
         }
-        rows.sort_by_key(|(group, _)| *group);
+        rows.sort_by_key(|(group, element, _)| (*group, *element));
         let groups = place.iter().map(|(group, _)| group + 1).max().unwrap_or(0) as usize;
         let mut lumping = Self {
             rigidity: vec![Vec3::zeros(); groups],
             entries_of: vec![0],
             ..Self::default()
         };
-        for (group, row) in &rows {
-            for entry in row {
-                let sum = Vec3::new(entry.plane[0], entry.axial, entry.plane[3]);
-                lumping.rigidity[*group as usize] += sum;
-            }
+        for (_, element, row) in &rows {
             lumping.entries.extend(row);
             lumping.entries_of.push(lumping.entries.len() as u32);
+            lumping.element_of.push(*element);
         }
-        let start = |group: usize| rows.partition_point(|(g, _)| (*g as usize) < group) as u32;
+        let start = |group: usize| rows.partition_point(|(g, ..)| (*g as usize) < group) as u32;
         lumping.rows_of = (0..=groups).map(start).collect();
+        if damage_of.iter().any(|(_, names)| !names.is_empty()) {
+            lumping.damage_of = damage_of;
+            lumping.remaining = vec![1.0; element as usize];
+        }
+        lumping.merge(groups);
+        lumping.add_up();
         Ok(lumping)
+    }
+
+    /// Finds the neighbours of all groups.
+    fn merge(&mut self, groups: usize) {
+        self.merged_offsets.push(0);
+        for group in 0..groups {
+            let [from, to] = [group, group + 1].map(|group| {
+                let row = self.rows_of[group];
+                self.entries_of[row as usize] as usize
+            });
+            let own = self.entries[from..to].iter().map(|entry| entry.group);
+            let mut others: Vec<u32> = own.clone().collect();
+            others.sort_unstable();
+            others.dedup();
+            let first = self.merged.len();
+            let place = |other: u32| (first + others.partition_point(|o| *o < other)) as u32;
+            self.merged_of.extend(own.map(place));
+            self.merged.extend(others.iter().map(|&group| Entry {
+                group,
+                plane: [0.0; 4],
+                axial: 0.0,
+            }));
+            self.merged_offsets.push(self.merged.len() as u32);
+        }
+    }
+
+    /// Adds up the rows of all groups.
+    fn add_up(&mut self) {
+        for entry in &mut self.merged {
+            (entry.plane, entry.axial) = ([0.0; 4], 0.0);
+        }
+        for row in 0..self.element_of.len() {
+            let share = self.share(row as u32);
+            let [from, to] = [row, row + 1].map(|row| self.entries_of[row] as usize);
+            for (entry, &place) in self.entries[from..to].iter().zip(&self.merged_of[from..to]) {
+                let merged = &mut self.merged[place as usize];
+                for (sum, own) in merged.plane.iter_mut().zip(entry.plane) {
+                    *sum += share * own;
+                }
+                merged.axial += share * entry.axial;
+            }
+        }
+        for (group, rigidity) in self.rigidity.iter_mut().enumerate() {
+            let own = self.merged_offsets[group] as usize..self.merged_offsets[group + 1] as usize;
+            let sums = self.merged[own].iter();
+            let sums = sums.map(|entry| Vec3::new(entry.plane[0], entry.axial, entry.plane[3]));
+            *rigidity = sums.sum();
+        }
+    }
+
+    /// Share of the stiffness that is left to the element of a row.
+    fn share(&self, row: u32) -> f64 {
+        let element = self.element_of[row as usize];
+        self.remaining.get(element as usize).copied().unwrap_or(1.0)
+    }
+
+    /// Takes over the damage of all elements from the committed history variables.
+    pub(super) fn follow_damage(&mut self, blocks: &[Box<dyn ElementBlock>]) {
+        if self.remaining.is_empty() {
+            return;
+        }
+        let mut changed = false;
+        for (block, (first, names)) in blocks.iter().zip(&self.damage_of) {
+            if names.is_empty() {
+                continue;
+            }
+            for index in 0..block.elements().len() {
+                let of = |name: &String| block.shown_history(index, name).unwrap_or(0.0);
+                let left = names.iter().map(|name| 1.0 - of(name).clamp(0.0, 1.0)).product();
+                let known = &mut self.remaining[*first as usize + index];
+                changed |= *known != left;
+                *known = left;
+            }
+        }
+        if changed {
+            self.add_up();
+        }
     }
 
     /// `A_i` of a group along each axis (N m).
@@ -92,23 +192,39 @@ impl Lumping {
     pub(crate) fn spread(&self, group: usize, velocity: impl Fn(usize) -> Vec3) -> Vec3 {
         let own = velocity(group);
         let mut sum = Vec3::zeros();
-        for row in self.rows_of[group]..self.rows_of[group + 1] {
-            let [from, to] = [row, row + 1].map(|row| self.entries_of[row as usize] as usize);
-            for entry in &self.entries[from..to] {
-                let change = velocity(entry.group as usize) - own;
-                let [xx, xz, zx, zz] = entry.plane;
-                sum.x += xx * change.x + xz * change.z;
-                sum.y += entry.axial * change.y;
-                sum.z += zx * change.x + zz * change.z;
-            }
+        let from = self.merged_offsets[group] as usize;
+        let to = self.merged_offsets[group + 1] as usize;
+        for entry in &self.merged[from..to] {
+            let change = velocity(entry.group as usize) - own;
+            let [xx, xz, zx, zz] = entry.plane;
+            sum.x += xx * change.x + xz * change.z;
+            sum.y += entry.axial * change.y;
+            sum.z += zx * change.x + zz * change.z;
         }
         sum
     }
 }
 
+/// Names of the history variables of a block that are damage, from 0 to 1: `damage`, or where a law has none its parts.
+fn damage_variables(block: &dyn ElementBlock) -> Vec<String> {
+    let names = block.history().into_iter().map(|field| field.name);
+    let names: Vec<String> = names.filter(|name| name.contains("damage")).collect();
+    if names.iter().any(|name| name == WHOLE) {
+        return vec![WHOLE.into()];
+    }
+    names.into_iter().filter(|name| !name.contains("type")).collect()
+}
+
+/// The damage of all causes together, as laws call it.
+const WHOLE: &str = "damage";
+
 /// Adds the rows of an element with a stiffness matrix (N/m) between nodes with groups and signs; returns whether y is
 /// not coupled with x and z.
-fn add_rows(places: &[(u32, f64)], (matrix, half): (&[f64], f64), rows: &mut Vec<Row>) -> bool {
+fn add_rows(
+    places: &[(u32, f64)],
+    (matrix, (element, half)): (&[f64], (u32, f64)),
+    rows: &mut Vec<Row>,
+) -> bool {
     let size = 3 * places.len();
     let mut groups: Vec<u32> = places.iter().map(|(group, _)| *group).collect();
     groups.sort_unstable();
@@ -137,7 +253,7 @@ fn add_rows(places: &[(u32, f64)], (matrix, half): (&[f64], f64), rows: &mut Vec
             plane: [sum[0][0], sum[0][2], sum[2][0], sum[2][2]],
             axial: sum[1][1],
         });
-        rows.push((*row, own.collect()));
+        rows.push((*row, element, own.collect()));
     }
     !sums.iter().any(coupled)
 }

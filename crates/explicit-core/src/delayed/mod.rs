@@ -45,6 +45,10 @@ pub(crate) struct DelayedSlice {
     pub(crate) sides: Vec<[u32; 2]>,
     /// Group of each node, and the sign with which its displacement has `s h / 2 V`.
     pub(crate) place: Vec<(u32, f64)>,
+    /// Mass of each group (kg).
+    pub(crate) mass: Vec<f64>,
+    /// Whether each group has neither dashpot, spring, skew coupling nor mass damping.
+    pub(crate) bare: Vec<bool>,
     /// Fixed axes of each group.
     pub(crate) held: Vec<Axes>,
     /// What makes `T` a lumped quantity.

@@ -1,6 +1,6 @@
 //! Delayed pairs of a model: check, sides, fixed axes.
 
-use powerhouse_model::{DelayedPairs, ElementBlock, EngineError, Mesh, ModelSpec, Precision, Vec3};
+use powerhouse_model::{DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, Precision, Vec3};
 
 use super::{DelayedSlice, DelayedWork, Lumping};
 use crate::groups::NodeGroup;
@@ -127,13 +127,6 @@ impl DelayedSlice {
         subdomain: &Subdomain,
         blocks: &[Box<dyn ElementBlock>],
     ) -> Result<Self, EngineError> {
-        for block in blocks {
-            // The lumped rows are those of the whole stiffness: with less of it the scheme may grow.
-            if block.history().iter().any(|field| field.name.contains("damage")) {
-                let what = format!("the damage of set '{}'", block.label());
-                return Err(with(what, "take an elastic or plastic law"));
-            }
-        }
         let mesh_of = &subdomain.numbering.mesh_of;
         let tag = |node: u32| mesh.node_tags()[mesh_of[node as usize] as usize];
         let height = |node: u32| mesh.positions()[mesh_of[node as usize] as usize].y;
@@ -171,6 +164,8 @@ impl DelayedSlice {
             lumping: Lumping::new(blocks, subdomain, &place, half)?,
             sides,
             place,
+            mass: groups.iter().map(|group| group.mass).collect(),
+            bare: groups.iter().map(is_bare).collect(),
             held,
             motion: None,
             work: DelayedWork::default(),
@@ -179,7 +174,7 @@ impl DelayedSlice {
             if group.mass <= 0.0 {
                 continue;
             }
-            let left = slice.inertia(group, index) / group.mass;
+            let left = slice.inertia(index) / group.mass;
             if !(left.min() >= LEAST_SHARE) {
                 return Err(EngineError::DelayedMass {
                     node: tag(slice.sides[index][0]),
@@ -193,10 +188,16 @@ impl DelayedSlice {
     }
 
     /// Inertia of a group (kg) along each axis, `M - s^2 A`.
-    pub(crate) fn inertia(&self, group: &NodeGroup, index: usize) -> Vec3 {
-        let taken = self.lumping.rigidity(index) * (self.slowness * self.slowness);
-        Vec3::repeat(group.mass) - taken
+    pub(crate) fn inertia(&self, group: usize) -> Vec3 {
+        let taken = self.lumping.rigidity(group) * (self.slowness * self.slowness);
+        Vec3::repeat(self.mass[group]) - taken
     }
+}
+
+/// Whether a group has a mass and fixed directions alone.
+fn is_bare(group: &NodeGroup) -> bool {
+    let matrices = [&group.dashpot, &group.spring, &group.gyroscopic];
+    group.mass_damping == 0.0 && matrices.into_iter().all(|matrix| *matrix == Mat3::zeros())
 }
 
 /// The fixed axes of a group; none if a fixed direction is no coordinate axis.

@@ -120,8 +120,8 @@ impl Model {
             return 0.0;
         };
         let mut sum = 0.0;
-        for (g, group) in self.groups.groups.iter().enumerate() {
-            let mass = slice.inertia(group, g);
+        for g in 0..slice.mass.len() {
+            let mass = slice.inertia(g);
             sum += a.x[g].x * mass.x * b.x[g].x + a.x[g].z * mass.z * b.x[g].z;
             sum += 0.5 * (a.x[g].y * b.force[g] + b.x[g].y * a.force[g]);
         }
@@ -169,7 +169,7 @@ impl Model {
             }
             let turned = group.gyroscopic * velocity[g];
             let force = of.force[g] + coupling[g].y + tractions[g].y * slice.slowness + turned.y;
-            along[g].y = -force / slice.inertia(group, g).y;
+            along[g].y = -force / slice.inertia(g).y;
         }
         for (motion, (velocity, along)) in motion.iter_mut().zip(velocity.iter().zip(&along)) {
             *motion = velocity + along;
@@ -181,7 +181,7 @@ impl Model {
         };
         if let Some(slice) = &self.delayed {
             for (g, group) in self.groups.groups.iter().enumerate() {
-                let mass = slice.inertia(group, g);
+                let mass = slice.inertia(g);
                 let turned = group.gyroscopic * along[g];
                 let force = forces[g] + tractions[g] * slice.slowness + turned;
                 product.x[g] = Vec3::new(force.x / mass.x, -along[g].y, force.z / mass.z);

@@ -17,13 +17,12 @@ struct Acting {
     traction: Vec3,
 }
 
-/// New velocity and momentum of a group along some axes, its `T` along the others, and its works in both halves of the step.
+/// New velocity and momentum of a group along some axes, and its `T` along the others.
 #[derive(Clone, Copy, Default)]
 struct Kicked {
     velocity: Vec3,
     momentum: Vec3,
     traction: Vec3,
-    works: [Works; 2],
 }
 
 /// The axes that are updated together.
@@ -174,7 +173,12 @@ impl Model {
             return Err(fault);
         }
         self.start_slice(step)?;
-        self.evaluate(terms, 0.5 * step)
+        self.evaluate(terms, 0.5 * step)?;
+        // History variables of the half step before are committed now.
+        if let Some(slice) = &mut self.delayed {
+            slice.lumping.follow_damage(&self.blocks);
+        }
+        Ok(())
     }
 
     /// New velocities of x and z of a slice, half a step after the present time.
@@ -232,32 +236,19 @@ impl Model {
     /// Updates velocity, momentum and `T` along some axes.
     fn update_slice(&mut self, part: Part, step: f64) {
         let (groups, origin) = (&self.groups.groups, &self.groups.origin);
-        let works = self.ledger.is_some();
         let kicked = self.all_acting(|(slice, motion), index, acting| {
-            let group = &groups[index];
-            let stretch = motion.displacement[index] - origin[index];
-            let own = (group, index);
-            let mut kicked = kick(part, (slice, motion), own, (&acting, &stretch), step);
-            if works {
-                let velocities = [part.of(motion.velocity[index]), kicked.velocity];
-                let forces = [part.of(acting.applied), part.of(stretch)];
-                kicked.works = Works::of(group, forces, velocities, step);
+            if slice.bare[index] {
+                return kick_mass(part, (slice, motion), index, &acting, step);
             }
-            kicked
+            let stretch = motion.displacement[index] - origin[index];
+            let own = (&groups[index], index);
+            kick(part, (slice, motion), own, (&acting, &stretch), step)
         });
+        self.add_works(part, &kicked, step);
         let limit = self.speed_limit;
         let sound = kicked.iter().all(|k| k.velocity.iter().all(|v| v.abs() <= limit));
-        let Some(slice) = &mut self.delayed else {
-            return;
-        };
-        let work = &mut slice.work;
-        if let Part::Plane = part {
-            work.begin_step();
-        }
-        for halves in kicked.iter().map(|kicked| &kicked.works) {
-            work.add(halves, matches!(part, Part::Axial));
-        }
-        if let Some(motion) = &mut slice.motion {
+        let motion = self.delayed.as_mut().and_then(|slice| slice.motion.as_mut());
+        if let Some(motion) = motion {
             for (g, kicked) in kicked.iter().enumerate() {
                 let old = motion.velocity[g];
                 part.put(&old, &mut motion.before[g]);
@@ -270,6 +261,70 @@ impl Model {
             self.place_slice(DelayedMotion::now);
             self.fault = Some(self.divergence());
         }
+    }
+}
+
+impl Model {
+    /// Adds the works of all groups along some axes to the energy balance, if one is open.
+    fn add_works(&mut self, part: Part, kicked: &[Kicked], step: f64) {
+        if self.ledger.is_none() {
+            return;
+        }
+        let (groups, sums) = (&self.groups, &self.loads.sums);
+        let Some(slice) = &mut self.delayed else {
+            return;
+        };
+        let Some(motion) = &slice.motion else {
+            return;
+        };
+        let is_axial = matches!(part, Part::Axial);
+        if !is_axial {
+            slice.work.begin_step();
+        }
+        for (index, kicked) in kicked.iter().enumerate() {
+            let applied = sums.on_group(index);
+            if slice.bare[index] && applied == Vec3::zeros() {
+                continue;
+            }
+            let stretch = motion.displacement[index] - groups.origin[index];
+            let velocities = [part.of(motion.velocity[index]), kicked.velocity];
+            let forces = [part.of(applied), part.of(stretch)];
+            let halves = Works::of(&groups.groups[index], forces, velocities, step);
+            slice.work.add(&halves, is_axial);
+        }
+    }
+}
+
+/// The same as [`kick`] of a group with a mass alone.
+fn kick_mass(
+    part: Part,
+    (slice, motion): (&DelayedSlice, &DelayedMotion),
+    index: usize,
+    acting: &Acting,
+    step: f64,
+) -> Kicked {
+    let traction = acting.traction;
+    if slice.mass[index] <= 0.0 {
+        return Kicked::default();
+    }
+    let s = slice.slowness;
+    let velocity = motion.velocity[index];
+    let rigidity = slice.lumping.rigidity(index);
+    let momentum = motion.momentum[index] + (acting.applied - acting.internal) * step;
+    let lag = rigidity.component_mul(&velocity) * s;
+    let predicted = traction * 2.0 - motion.traction[index] + lag;
+    let right = momentum - predicted * s;
+    let mass = slice.inertia(index);
+    let mut after = part.of(right.component_div(&mass));
+    for (velocity, held) in after.iter_mut().zip(slice.held[index]) {
+        if held {
+            *velocity = 0.0;
+        }
+    }
+    Kicked {
+        velocity: after,
+        momentum,
+        traction,
     }
 }
 
@@ -298,14 +353,13 @@ fn kick(
     let lag = rigidity.component_mul(&before) * s;
     let predicted = part.of(traction * 2.0 - motion.traction[index]) + lag;
     let right = old_momentum - predicted * s - damped(&before) + sprung(&before);
-    let mass = slice.inertia(group, index);
+    let mass = slice.inertia(index);
     let after = solve(part, (group, &mass), (right, slice.held[index]), step);
     let momentum = old_momentum - damped(&(before + after)) - sprung(&(after - before));
     Kicked {
         velocity: after,
         momentum,
         traction,
-        works: Default::default(),
     }
 }
 

@@ -1,8 +1,10 @@
 //! Slices under waves of any azimuth.
 
 mod bits;
+mod damage;
 mod free_field;
 mod steps;
+mod tunnels;
 
 use std::sync::Arc;
 
