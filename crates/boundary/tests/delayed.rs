@@ -68,7 +68,11 @@ fn waves_leave_without_reflection() {
                 let along = (1.0 / (speed * speed) - s * s).sqrt();
                 normal * along + Vec3::y() * s
             });
-            let polarised = [(p, p.normalize()), (sv, sv.cross(&across).normalize()), (sh, across)];
+            let polarised = [
+                (p, p.normalize()),
+                (sv, sv.cross(&across).normalize()),
+                (sh, across),
+            ];
             for (slowness, velocity) in polarised {
                 // strain rate = -(s v + v s) / 2 times the rate of the velocity; traction per velocity.
                 let gradient = -(velocity * slowness.transpose());

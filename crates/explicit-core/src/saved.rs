@@ -205,7 +205,11 @@ impl Model {
         add(&mut saved, BODY.into(), encode(&body))?;
         drop(body);
         if let Some(slice) = &self.delayed {
-            add(&mut saved, SLICE.into(), encode(&(&slice.motion, &slice.work)))?;
+            add(
+                &mut saved,
+                SLICE.into(),
+                encode(&(&slice.motion, &slice.work)),
+            )?;
         }
         let mut parts = SavedRun::default();
         let own = self

@@ -185,7 +185,9 @@ pub enum EngineError {
         node: u64,
     },
     /// A gyroscopic matrix of a boundary that is not skew, or of a body that is no delayed slice.
-    #[error("the boundary at node {node} has a gyroscopic matrix, which must be skew and which a delayed slice alone takes")]
+    #[error(
+        "the boundary at node {node} has a gyroscopic matrix, which must be skew and which a delayed slice alone takes"
+    )]
     Gyroscopic {
         /// Number of the node.
         node: u64,

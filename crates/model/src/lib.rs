@@ -80,8 +80,8 @@ pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
 };
-pub use disjoint_sets::DisjointSets;
 pub use delayed::DelayedPairs;
+pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{
     BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound, HistoryUpdate,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::{
-    BlockFactory, BoundaryParts, CheckpointSink, Constraint, DelayedPairs, EmbeddedElements, Mesh, NodalLoad,
-    PeriodicPairs, Prescribed, SavedRun, State, Support, TimeFunction, Vec3,
+    BlockFactory, BoundaryParts, CheckpointSink, Constraint, DelayedPairs, EmbeddedElements, Mesh,
+    NodalLoad, PeriodicPairs, Prescribed, SavedRun, State, Support, TimeFunction, Vec3,
 };
 
 /// A selection of elements: a named set, or mesh indices.

@@ -4,8 +4,8 @@ use core::f64::consts::TAU;
 use std::collections::HashSet;
 
 use powerhouse_model::{
-    BlockFactory, BlockOptions, BlockPart, DelayedPairs, ElementKind, ModelSpec, ParameterError, Precision,
-    Prescribed, Rayleigh,
+    BlockFactory, BlockOptions, BlockPart, DelayedPairs, ElementKind, ModelSpec, ParameterError,
+    Precision, Prescribed, Rayleigh,
 };
 
 use crate::acting::{StagedLoad, function};

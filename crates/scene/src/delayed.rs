@@ -236,16 +236,28 @@ impl Scene {
             return Err(with("bolts", whole));
         }
         if !self.prescribed.is_empty() {
-            return Err(with("prescribed motions", "let waves enter through absorbing faces"));
+            return Err(with(
+                "prescribed motions",
+                "let waves enter through absorbing faces",
+            ));
         }
         if !self.constraints.is_empty() {
             return Err(with("constraints", whole));
         }
         if !self.periodic.is_empty() {
-            return Err(with("periodic pairs beside them", "absorb at the sides across x"));
+            return Err(with(
+                "periodic pairs beside them",
+                "absorb at the sides across x",
+            ));
         }
-        let all = self.loads.iter().chain(self.stages.iter().flat_map(|stage| &stage.loads));
-        let weights = self.weights.iter().chain(self.stages.iter().flat_map(|stage| &stage.weights));
+        let all = self
+            .loads
+            .iter()
+            .chain(self.stages.iter().flat_map(|stage| &stage.loads));
+        let weights = self
+            .weights
+            .iter()
+            .chain(self.stages.iter().flat_map(|stage| &stage.weights));
         let changing = all.map(|staged| powerhouse_model::NodalLoad::is_constant(&staged.load));
         let changing = changing.chain(weights.map(|(_, history)| history.is_constant()));
         if changing.into_iter().any(|constant| !constant) {
@@ -253,11 +265,18 @@ impl Scene {
             return Err(with("loads that change in time", way));
         }
         if self.initial == InitialMotion::Field {
-            return Err(with("the motion of the field at the start", "start at rest"));
+            return Err(with(
+                "the motion of the field at the start",
+                "start at rest",
+            ));
         }
         let along = Vec3::y();
         let holds_along = |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along) != 0.0);
-        if self.supports.iter().any(|support| holds_along(support.held_direction())) {
+        if self
+            .supports
+            .iter()
+            .any(|support| holds_along(support.held_direction()))
+        {
             let way = "absorb at the bottom and at the sides across x; the sides of the slice need no other support";
             return Err(with("supports along y", way));
         }
@@ -269,11 +288,15 @@ impl Scene {
             return Err(with("structures `through` its faces", way));
         }
         if boundary.region.is_some() {
-            return Err(with("a region around which the field enters", "let it enter through the faces"));
+            return Err(with(
+                "a region around which the field enters",
+                "let it enter through the faces",
+            ));
         }
         let name = powerhouse_model::AbsorbingBoundary::name(&*boundary.condition);
         if !["viscous", "viscous-spring"].contains(&name) {
-            let what = format!("the boundary '{name}', whose dashpots do not follow the slowness along y");
+            let what =
+                format!("the boundary '{name}', whose dashpots do not follow the slowness along y");
             return Err(with(what, "take 'viscous-spring' or 'viscous'"));
         }
         Ok(())

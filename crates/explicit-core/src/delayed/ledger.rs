@@ -220,7 +220,11 @@ impl Model {
         work.scale = (work.scale)
             .max(stored.kinetic.abs() + sum.total().abs())
             .max(works.loads.abs());
-        let relative = if work.scale > 0.0 { residual / work.scale } else { residual };
+        let relative = if work.scale > 0.0 {
+            residual / work.scale
+        } else {
+            residual
+        };
         let mut columns = spent.to_vec();
         columns.extend([
             ("initial", initial),
@@ -231,7 +235,9 @@ impl Model {
         Some(Reading {
             columns,
             residual: relative,
-            worst_set: shares.first().map_or_else(String::new, |share| share.set.clone()),
+            worst_set: shares
+                .first()
+                .map_or_else(String::new, |share| share.set.clone()),
             hourglass: shares,
             fibres: [0.0; 2],
         })

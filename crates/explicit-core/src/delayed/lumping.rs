@@ -172,7 +172,10 @@ impl Lumping {
             }
             for index in 0..block.elements().len() {
                 let of = |name: &String| block.shown_history(index, name).unwrap_or(0.0);
-                let left = names.iter().map(|name| 1.0 - of(name).clamp(0.0, 1.0)).product();
+                let left = names
+                    .iter()
+                    .map(|name| 1.0 - of(name).clamp(0.0, 1.0))
+                    .product();
                 let known = &mut self.remaining[*first as usize + index];
                 changed |= *known != left;
                 *known = left;
@@ -212,7 +215,10 @@ fn damage_variables(block: &dyn ElementBlock) -> Vec<String> {
     if names.iter().any(|name| name == WHOLE) {
         return vec![WHOLE.into()];
     }
-    names.into_iter().filter(|name| !name.contains("type")).collect()
+    names
+        .into_iter()
+        .filter(|name| !name.contains("type"))
+        .collect()
 }
 
 /// The damage of all causes together, as laws call it.
@@ -242,7 +248,11 @@ fn add_rows(
             }
         }
     }
-    let scale = sums.iter().flatten().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let scale = sums
+        .iter()
+        .flatten()
+        .flatten()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
     let coupled = |sum: &[[f64; 3]; 3]| {
         let across = [sum[0][1], sum[1][0], sum[1][2], sum[2][1]];
         across.into_iter().any(|x| x.abs() > COUPLED * scale)

@@ -1,6 +1,8 @@
 //! Delayed pairs of a model: check, sides, fixed axes.
 
-use powerhouse_model::{DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, Precision, Vec3};
+use powerhouse_model::{
+    DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, Precision, Vec3,
+};
 
 use super::{DelayedSlice, DelayedWork, Lumping};
 use crate::groups::NodeGroup;
@@ -141,7 +143,11 @@ impl DelayedSlice {
                     count: group.members.len().saturating_sub(1),
                 });
             };
-            let (low, high) = if height(a) < height(b) { (a, b) } else { (b, a) };
+            let (low, high) = if height(a) < height(b) {
+                (a, b)
+            } else {
+                (b, a)
+            };
             half = 0.5 * (height(high) - height(low));
             sides.push([low, high]);
             place[low as usize] = (index, 1.0);
@@ -150,9 +156,9 @@ impl DelayedSlice {
                 let what = format!("a roller at node {} along no coordinate axis", tag(low));
                 with(what, "take rollers normal to x, y or z")
             })?);
-            let coupled = [(0, 1), (1, 2)].into_iter().any(|(i, j)| {
-                group.dashpot[(i, j)] != 0.0 || group.spring[(i, j)] != 0.0
-            });
+            let coupled = [(0, 1), (1, 2)]
+                .into_iter()
+                .any(|(i, j)| group.dashpot[(i, j)] != 0.0 || group.spring[(i, j)] != 0.0);
             if coupled {
                 let what = format!("an impedance at node {} between y and x or z", tag(low));
                 return Err(with(what, "absorb at faces parallel to y alone"));

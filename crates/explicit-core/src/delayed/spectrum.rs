@@ -11,7 +11,9 @@
 use powerhouse_model::{Operator, Vec3};
 
 use crate::Model;
-use crate::spectrum::{CHECK_INTERVAL, HighestEigenvalue, MOST_PRODUCTS, TOLERANCE, largest_ritz, noise};
+use crate::spectrum::{
+    CHECK_INTERVAL, HighestEigenvalue, MOST_PRODUCTS, TOLERANCE, largest_ritz, noise,
+};
 
 /// A vector of the operator by group: `v` in x and z, `w` in y; and `K w`.
 #[derive(Clone)]
@@ -129,7 +131,11 @@ impl Model {
     }
 
     /// Internal forces (N) and `T` (N m) of all groups of a linear slice, from displacement (m) and velocity (m/s).
-    fn slice_response(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> (Vec<Vec3>, Vec<Vec3>) {
+    fn slice_response(
+        &mut self,
+        displacement: &[Vec3],
+        velocity: &[Vec3],
+    ) -> (Vec<Vec3>, Vec<Vec3>) {
         let Some(slice) = &self.delayed else {
             return Default::default();
         };
@@ -145,7 +151,10 @@ impl Model {
         let of_sides = slice.sides.iter().enumerate().map(|(group, sides)| {
             let [low, high] = sides.map(|node| forces[node as usize]);
             let spread = slice.lumping.spread(group, |g| velocity[g]);
-            (low + high, (high - low) * slice.half + spread * slice.slowness)
+            (
+                low + high,
+                (high - low) * slice.half + spread * slice.slowness,
+            )
         });
         of_sides.unzip()
     }

@@ -11,7 +11,7 @@ use crate::nodes::{NodalArrays, Nodes};
 
 /// Forces on a group: applied ones less internal ones (N), and its `T` (N m).
 #[derive(Clone, Copy)]
-struct Acting {
+struct GroupForces {
     applied: Vec3,
     internal: Vec3,
     traction: Vec3,
@@ -101,7 +101,11 @@ impl Model {
         let Some((slice, arrays, groups)) = self.slice_parts() else {
             return Ok(());
         };
-        if slice.motion.as_ref().is_some_and(|motion| motion.step == step) {
+        if slice
+            .motion
+            .as_ref()
+            .is_some_and(|motion| motion.step == step)
+        {
             return Ok(());
         }
         let mut motion = DelayedMotion {
@@ -125,13 +129,17 @@ impl Model {
         self.evaluate(ForceTerms::PLAIN, 0.5 * step)?;
         // The forces are those of the start, not of a step.
         self.uncommitted = false;
-        let tractions = self.all_acting(|_, _, acting| acting.traction);
+        let tractions = self.all_forces(|_, _, acting| acting.traction);
         let Some((slice, _, groups)) = self.slice_parts() else {
             return Ok(());
         };
         let slowness = slice.slowness;
         if let Some(motion) = &mut slice.motion {
-            let states = motion.momentum.iter_mut().zip(&motion.velocity).zip(&tractions);
+            let states = motion
+                .momentum
+                .iter_mut()
+                .zip(&motion.velocity)
+                .zip(&tractions);
             for (((momentum, velocity), traction), group) in states.zip(groups) {
                 *momentum = velocity * group.mass + traction * slowness;
             }
@@ -142,9 +150,9 @@ impl Model {
     }
 
     /// A function of the forces on each group of the last evaluation.
-    fn all_acting<T: Send>(
+    fn all_forces<T: Send>(
         &self,
-        of: impl Fn((&DelayedSlice, &DelayedMotion), usize, Acting) -> T + Sync,
+        of: impl Fn((&DelayedSlice, &DelayedMotion), usize, GroupForces) -> T + Sync,
     ) -> Vec<T> {
         let (Some(slice), Nodes::F64(arrays)) = (&self.delayed, &self.nodes) else {
             return Vec::new();
@@ -157,7 +165,7 @@ impl Model {
         let acting = |group: usize| {
             let [low, high] = slice.sides[group].map(|node| arrays.internal(slots, node as usize));
             let spread = slice.lumping.spread(group, |g| motion.velocity[g]);
-            let acting = Acting {
+            let acting = GroupForces {
                 applied: sums.on_group(group),
                 internal: low + high,
                 traction: (high - low) * slice.half + spread * slice.slowness,
@@ -187,10 +195,19 @@ impl Model {
         self.update_slice(Part::Plane, step);
         self.place_slice(DelayedMotion::centred);
         self.begin_slice_balance(step);
-        let Some(motion) = self.delayed.as_ref().and_then(|slice| slice.motion.as_ref()) else {
+        let Some(motion) = self
+            .delayed
+            .as_ref()
+            .and_then(|slice| slice.motion.as_ref())
+        else {
             return;
         };
-        let views = self.groups.motion.previous.iter_mut().zip(&mut self.groups.motion.next);
+        let views = self
+            .groups
+            .motion
+            .previous
+            .iter_mut()
+            .zip(&mut self.groups.motion.next);
         for (group, (previous, next)) in views.enumerate() {
             let (before, after) = (motion.before[group], motion.velocity[group]);
             // The new velocity of y is not known yet: its acceleration is that of the step before.
@@ -206,7 +223,11 @@ impl Model {
         if let Some(slice) = &mut self.delayed {
             slice.work.end_plane();
         }
-        if let Some(motion) = self.delayed.as_mut().and_then(|slice| slice.motion.as_mut()) {
+        if let Some(motion) = self
+            .delayed
+            .as_mut()
+            .and_then(|slice| slice.motion.as_mut())
+        {
             for (u, v) in motion.displacement.iter_mut().zip(&motion.velocity) {
                 u.x += step * v.x;
                 u.z += step * v.z;
@@ -222,7 +243,11 @@ impl Model {
             Ok(()) => self.update_slice(Part::Axial, step),
             Err(fault) => self.fault = Some(fault),
         }
-        if let Some(motion) = self.delayed.as_mut().and_then(|slice| slice.motion.as_mut()) {
+        if let Some(motion) = self
+            .delayed
+            .as_mut()
+            .and_then(|slice| slice.motion.as_mut())
+        {
             for (u, v) in motion.displacement.iter_mut().zip(&motion.velocity) {
                 u.y += step * v.y;
             }
@@ -236,7 +261,7 @@ impl Model {
     /// Updates velocity, momentum and `T` along some axes.
     fn update_slice(&mut self, part: Part, step: f64) {
         let (groups, origin) = (&self.groups.groups, &self.groups.origin);
-        let kicked = self.all_acting(|(slice, motion), index, acting| {
+        let kicked = self.all_forces(|(slice, motion), index, acting| {
             if slice.bare[index] {
                 return kick_mass(part, (slice, motion), index, &acting, step);
             }
@@ -246,8 +271,13 @@ impl Model {
         });
         self.add_works(part, &kicked, step);
         let limit = self.speed_limit;
-        let sound = kicked.iter().all(|k| k.velocity.iter().all(|v| v.abs() <= limit));
-        let motion = self.delayed.as_mut().and_then(|slice| slice.motion.as_mut());
+        let sound = kicked
+            .iter()
+            .all(|k| k.velocity.iter().all(|v| v.abs() <= limit));
+        let motion = self
+            .delayed
+            .as_mut()
+            .and_then(|slice| slice.motion.as_mut());
         if let Some(motion) = motion {
             for (g, kicked) in kicked.iter().enumerate() {
                 let old = motion.velocity[g];
@@ -300,7 +330,7 @@ fn kick_mass(
     part: Part,
     (slice, motion): (&DelayedSlice, &DelayedMotion),
     index: usize,
-    acting: &Acting,
+    acting: &GroupForces,
     step: f64,
 ) -> Kicked {
     let traction = acting.traction;
@@ -333,7 +363,7 @@ fn kick(
     part: Part,
     (slice, motion): (&DelayedSlice, &DelayedMotion),
     (group, index): (&NodeGroup, usize),
-    (acting, stretch): (&Acting, &Vec3),
+    (acting, stretch): (&GroupForces, &Vec3),
     step: f64,
 ) -> Kicked {
     let traction = acting.traction;
@@ -373,10 +403,20 @@ fn solve(
 ) -> Vec3 {
     let (half, quarter) = (0.5 * step, 0.25 * step * step);
     let entry = |i: usize, j: usize| {
-        let own = if i == j { mass[i] + half * group.mass_damping } else { 0.0 };
+        let own = if i == j {
+            mass[i] + half * group.mass_damping
+        } else {
+            0.0
+        };
         own + half * group.dashpot[(i, j)] + quarter * group.spring[(i, j)]
     };
-    let alone = |i: usize| if held[i] { 0.0 } else { impulse[i] / entry(i, i) };
+    let alone = |i: usize| {
+        if held[i] {
+            0.0
+        } else {
+            impulse[i] / entry(i, i)
+        }
+    };
     match part {
         Part::Axial => Vec3::new(0.0, alone(1), 0.0),
         Part::Plane => {

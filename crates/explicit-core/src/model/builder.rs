@@ -169,7 +169,8 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let constrained: Vec<Vec<u32>> = (constrained.into_iter())
         .map(|nodes| nodes.into_iter().map(|node| ranked.local(node)).collect())
         .collect();
-    let delayed = delayed.map(|pairs| DelayedSlice::new(mesh, &pairs, &groups, &subdomain, &blocks));
+    let delayed =
+        delayed.map(|pairs| DelayedSlice::new(mesh, &pairs, &groups, &subdomain, &blocks));
     let delayed = delayed.transpose()?;
     let groups = Groups::new(groups, &constrained.concat(), &subdomain.slots);
     let constraints = bind(constraints, constrained);

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use powerhouse_model::{
-    Constraint, EngineError, Mat3, Mesh, NodalImpedance, Prescribed, Support,
-};
+use powerhouse_model::{Constraint, EngineError, Mat3, Mesh, NodalImpedance, Prescribed, Support};
 
 use crate::groups::NodeGroup;
 use crate::ranks::ABSENT;

@@ -6,7 +6,7 @@ use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
-    BlockOptions, CheckpointSink, DelayedPairs, EngineError, EnergyCheck, Mesh, ModelError,
+    BlockOptions, CheckpointSink, DelayedPairs, EnergyCheck, EngineError, Mesh, ModelError,
     ModelSpec, PeriodicPairs, Precision, Progress, Rayleigh, RunOptions, SavedRun, StaticOptions,
     StepChoice, Support, TimeIntegrator, Vec3,
 };
@@ -43,7 +43,12 @@ fn pairs_without_delay_are_periodic() {
         }
         motion(&model)
     };
-    let delayed = spec(&mesh, SolidKernel::Hex8Natural, &field, slowness(WaveKind::SV, angles));
+    let delayed = spec(
+        &mesh,
+        SolidKernel::Hex8Natural,
+        &field,
+        slowness(WaveKind::SV, angles),
+    );
     let delayed = run_of(delayed.unwrap());
     let mut tied = spec(&mesh, SolidKernel::Hex8Natural, &field, 0.0).unwrap();
     tied.delayed = None;
@@ -59,12 +64,16 @@ fn a_small_delay_changes_little() {
     let mesh = small();
     let field = wave(WaveKind::SV, [25.0, 0.0], (8.0, 0.2));
     let moved = |slowness: f64| {
-        let mut model = spec(&mesh, SolidKernel::Hex8Full, &field, slowness).unwrap().build().unwrap();
+        let mut model = spec(&mesh, SolidKernel::Hex8Full, &field, slowness)
+            .unwrap()
+            .build()
+            .unwrap();
         for _ in 0..600 {
             Leapfrog.step(&mut model, 5e-4).unwrap();
         }
         let all = 0..mesh.node_count() as u32;
-        all.map(|node| model.displacement(node)).collect::<Vec<Vec3>>()
+        all.map(|node| model.displacement(node))
+            .collect::<Vec<Vec3>>()
     };
     let plain = moved(0.0);
     let size = plain.iter().map(|u| u.norm()).fold(0.0, f64::max);
@@ -73,7 +82,10 @@ fn a_small_delay_changes_little() {
         differences.fold(0.0, f64::max) / size
     };
     let [first, second] = [1e-6, 1e-7].map(|s| apart(&moved(s)));
-    assert!(first < 1e-2 && second < 0.2 * first && second > 0.0, "{first:e} {second:e}");
+    assert!(
+        first < 1e-2 && second < 0.2 * first && second > 0.0,
+        "{first:e} {second:e}"
+    );
 }
 
 /// Results do not depend on the number of threads.
@@ -130,7 +142,10 @@ fn a_resumed_slice_has_the_same_bits() {
     let second = run(&mut rest, &Leapfrog, &resumed, &mut [], &mut |_| {}).unwrap();
     assert_eq!(motion(&whole), motion(&rest));
     assert_eq!(first.energies, second.energies);
-    assert_eq!(first.energy_residual.to_bits(), second.energy_residual.to_bits());
+    assert_eq!(
+        first.energy_residual.to_bits(),
+        second.energy_residual.to_bits()
+    );
 }
 
 /// A slice that was brought into equilibrium under its weight stays still when it may move.
@@ -139,7 +154,8 @@ fn a_slice_in_equilibrium_stays_still() {
     let mesh = small();
     let law = LinearElastic::new(rock());
     let build = |moves: bool| {
-        let factory = SolidKernel::Hex8Natural.factory("rock", law.clone(), BlockOptions::default());
+        let factory =
+            SolidKernel::Hex8Natural.factory("rock", law.clone(), BlockOptions::default());
         let bottom = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
         let spec = Model::builder(&mesh)
             .elements("rock", factory)
@@ -161,11 +177,13 @@ fn a_slice_in_equilibrium_stays_still() {
     for _ in 0..400 {
         Leapfrog.step(&mut model, 1e-3).unwrap();
     }
-    let moved = (0..mesh.node_count() as u32).map(|node| {
-        (model.displacement(node) - state.displacement[node as usize]).norm()
-    });
+    let moved = (0..mesh.node_count() as u32)
+        .map(|node| (model.displacement(node) - state.displacement[node as usize]).norm());
     let moved = moved.fold(0.0, f64::max);
-    assert!(settled > 1e-5 && moved < 1e-8 * settled, "{moved:e} of {settled:e}");
+    assert!(
+        settled > 1e-5 && moved < 1e-8 * settled,
+        "{moved:e} of {settled:e}"
+    );
 }
 
 /// The refusal of a specification.
@@ -196,11 +214,18 @@ fn a_slice_refuses_what_it_does_not_take() {
     assert!(refused(with(pairs.clone(), f64::NAN)).contains("must be finite"));
     let fast = refused(with(pairs.clone(), 0.999 / rock().p_speed()));
     assert!(fast.contains("share of the mass"), "{fast}");
-    let past = super::spec(&mesh, SolidKernel::Hex8Full, &field, 1.01 / rock().p_speed());
+    let past = super::spec(
+        &mesh,
+        SolidKernel::Hex8Full,
+        &field,
+        1.01 / rock().p_speed(),
+    );
     assert!(past.err().unwrap().to_string().contains("no P wave leaves"));
     let oblique = Support::roller(vec![pairs[0].0], Vec3::new(1.0, 0.0, 1.0));
     assert!(refused(spec().support(oblique)).contains("along no coordinate axis"));
-    let periodic = PeriodicPairs { pairs: vec![pairs[0]] };
+    let periodic = PeriodicPairs {
+        pairs: vec![pairs[0]],
+    };
     assert!(refused(spec().periodic(periodic)).contains("other periodic pairs"));
     let damping = Rayleigh {
         mass: 0.0,
@@ -228,5 +253,8 @@ fn a_slice_refuses_what_it_does_not_take() {
     let ModelError::Refused { source, .. } = &found else {
         panic!("{found}");
     };
-    assert!(matches!(source.downcast_ref(), Some(EngineError::Gyroscopic { .. })), "{found}");
+    assert!(
+        matches!(source.downcast_ref(), Some(EngineError::Gyroscopic { .. })),
+        "{found}"
+    );
 }

@@ -21,15 +21,16 @@ fn model(mesh: &Mesh, angles: [f64; 2], threshold: Option<f64>) -> Model {
     let s = slowness(WaveKind::SV, angles);
     let faces = ["left", "right", "bottom"].map(|face| (face, mesh.facet_set(face).unwrap()));
     let site = BoundarySite::from_mesh(mesh, &faces, |_| rock(), Vec3::zeros(), Some(&field));
-    let parts = ViscousSpring::default().build(&site.with_slowness(s)).unwrap();
+    let parts = ViscousSpring::default()
+        .build(&site.with_slowness(s))
+        .unwrap();
     let (low, high) = (Vec3::new(-15.0, -9.0, -40.0), Vec3::new(15.0, 9.0, -20.0));
     let core = mesh.elements_in_box(&low, &high);
     let all = 0..mesh.element_count() as u32;
     let rest: Vec<u32> = all.filter(|element| !core.contains(element)).collect();
     let kernel = SolidKernel::Hex8Full;
-    let elastic = |label: &str| {
-        kernel.factory(label, LinearElastic::new(rock()), BlockOptions::default())
-    };
+    let elastic =
+        |label: &str| kernel.factory(label, LinearElastic::new(rock()), BlockOptions::default());
     let core_factory = match threshold {
         None => elastic("core"),
         Some(share) => {
@@ -99,6 +100,9 @@ fn a_brittle_core_is_stable_near_the_highest_slowness() {
         let (effect, error) = (apart(&brittle, &elastic), apart(&brittle, &finer));
         println!("{angles:?}: effect {effect:.3}, step {error:.4}, residual {residual:.1e}");
         assert!(of_elastic < 1e-11, "{of_elastic:e}");
-        assert!(effect > 0.1 && error < 0.05 * effect, "{angles:?}: {effect} {error}");
+        assert!(
+            effect > 0.1 && error < 0.05 * effect,
+            "{angles:?}: {effect} {error}"
+        );
     }
 }

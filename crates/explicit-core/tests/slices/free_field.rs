@@ -12,7 +12,10 @@ use super::{built, middle, pairs, slowness, spec, wave};
 fn error(kind: WaveKind, angles: [f64; 2], size: f64, kernel: SolidKernel) -> f64 {
     let counts = [(400.0 / size) as usize, 1, (200.0 / size) as usize];
     let half = 0.05 * size;
-    let (low, high) = (Vec3::new(-200.0, -half, -200.0), Vec3::new(200.0, half, 0.0));
+    let (low, high) = (
+        Vec3::new(-200.0, -half, -200.0),
+        Vec3::new(200.0, half, 0.0),
+    );
     let mesh = Mesh::box_of_hexes(low, high, counts, "rock").unwrap();
     let field = wave(kind, angles, (4.0, 0.55));
     let mut model = built(spec(&mesh, kernel, &field, slowness(kind, angles)).unwrap());
@@ -81,8 +84,14 @@ fn errors_of_the_free_field_fall_with_the_square_of_the_size() {
         let [found, halved] = [10.0, 5.0].map(size);
         let order = (found / halved).log2();
         println!("{kind} {incidence} {azimuth}: {found:.3e} {halved:.3e} order {order:.2}");
-        assert!(halved < 1.2 * fine, "{kind} {incidence} {azimuth}: {halved:.3e}");
-        assert!((1.9..2.1).contains(&order), "{kind} {incidence} {azimuth}: {order:.2}");
+        assert!(
+            halved < 1.2 * fine,
+            "{kind} {incidence} {azimuth}: {halved:.3e}"
+        );
+        assert!(
+            (1.9..2.1).contains(&order),
+            "{kind} {incidence} {azimuth}: {order:.2}"
+        );
     }
 }
 
@@ -90,7 +99,11 @@ fn errors_of_the_free_field_fall_with_the_square_of_the_size() {
 #[test]
 fn all_kernels_of_bricks_move_as_the_free_field() {
     let angles = [30.0, 90.0];
-    for kernel in [SolidKernel::Hex8Natural, SolidKernel::Hex8Eas, SolidKernel::ONE_POINT] {
+    for kernel in [
+        SolidKernel::Hex8Natural,
+        SolidKernel::Hex8Eas,
+        SolidKernel::ONE_POINT,
+    ] {
         let found = error(SV, angles, 20.0, kernel);
         assert!(found < 1.2 * 4.0 * 9.9e-3, "{kernel:?}: {found:.3e}");
     }

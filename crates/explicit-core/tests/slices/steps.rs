@@ -4,7 +4,7 @@ use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
-    BlockOptions, DelayedPairs, EnergyCheck, Mesh, NodalImpedance, BoundaryParts, Mat3, RunError,
+    BlockOptions, BoundaryParts, DelayedPairs, EnergyCheck, Mat3, Mesh, NodalImpedance, RunError,
     RunOptions, StepChoice, Support, TimeIntegrator, Vec3,
 };
 
@@ -66,7 +66,9 @@ fn shake(model: &mut Model, seed: u64) {
 fn growth(model: &mut Model, step: f64, steps: usize) -> f64 {
     let largest = |model: &Model| {
         let nodes = 0..model.mesh().node_count() as u32;
-        nodes.map(|node| model.velocity(node).amax()).fold(0.0, f64::max)
+        nodes
+            .map(|node| model.velocity(node).amax())
+            .fold(0.0, f64::max)
     };
     let mut start: f64 = 0.0;
     for count in 0..steps {
@@ -85,7 +87,11 @@ fn growth(model: &mut Model, step: f64, steps: usize) -> f64 {
 /// step over 0.98, its safety, nothing grows in 4000 steps, and 5 % above it motion grows without bound.
 #[test]
 fn the_stable_step_is_that_of_the_gyroscopic_operator() {
-    let kernels = [SolidKernel::Hex8Full, SolidKernel::Hex8Natural, SolidKernel::Hex8Eas];
+    let kernels = [
+        SolidKernel::Hex8Full,
+        SolidKernel::Hex8Natural,
+        SolidKernel::Hex8Eas,
+    ];
     for (case, ratio) in [0.1, 0.4, 0.7, 0.9, 0.95, -0.8].into_iter().enumerate() {
         let kernel = kernels[case % 3];
         let mesh = bent(0.05 * case as f64, [0.1, 1.0, 0.4][case % 3], case as u64);
@@ -93,11 +99,17 @@ fn the_stable_step_is_that_of_the_gyroscopic_operator() {
         let reported = model.stable_step(&Leapfrog).unwrap().step;
         shake(&mut model, 7 * case as u64);
         let below = growth(&mut model, reported, 4000);
-        assert!(below < 30.0, "{kernel:?} at {ratio}: grew {below} at the reported step");
+        assert!(
+            below < 30.0,
+            "{kernel:?} at {ratio}: grew {below} at the reported step"
+        );
         let mut model = free(&mesh, kernel, ratio);
         shake(&mut model, 7 * case as u64);
         let above = growth(&mut model, reported / 0.95, 4000);
-        assert!(above > 1e3, "{kernel:?} at {ratio}: grew {above} at 1 / 0.95 of the reported step");
+        assert!(
+            above > 1e3,
+            "{kernel:?} at {ratio}: grew {above} at 1 / 0.95 of the reported step"
+        );
     }
 }
 
@@ -111,9 +123,20 @@ fn the_step_falls_with_the_slowness() {
     };
     let plain = step(0.0);
     let mut last = plain;
-    for (ratio, least) in [(0.2, 0.98), (0.4, 0.92), (0.6, 0.80), (0.8, 0.60), (0.9, 0.44), (0.98, 0.20)] {
+    for (ratio, least) in [
+        (0.2, 0.98),
+        (0.4, 0.92),
+        (0.6, 0.80),
+        (0.8, 0.60),
+        (0.9, 0.44),
+        (0.98, 0.20),
+    ] {
         let own = step(ratio);
-        assert!(own < last && own > 0.98 * least * plain, "{ratio}: {} of {plain}", own / plain);
+        assert!(
+            own < last && own > 0.98 * least * plain,
+            "{ratio}: {} of {plain}",
+            own / plain
+        );
         last = own;
     }
 }
@@ -121,9 +144,13 @@ fn the_step_falls_with_the_slowness() {
 /// Energy is conserved to rounding in a free linear slice, with dashpots, springs and a skew coupling on two of its sides too.
 #[test]
 fn the_energy_balance_closes_to_rounding() {
-    for (case, kernel) in [SolidKernel::Hex8Full, SolidKernel::Hex8Natural, SolidKernel::Hex8Eas]
-        .into_iter()
-        .enumerate()
+    for (case, kernel) in [
+        SolidKernel::Hex8Full,
+        SolidKernel::Hex8Natural,
+        SolidKernel::Hex8Eas,
+    ]
+    .into_iter()
+    .enumerate()
     {
         for held in [false, true] {
             let mesh = bent(0.25, 0.6, case as u64);
@@ -169,8 +196,14 @@ fn the_energy_balance_closes_to_rounding() {
 fn a_step_above_the_stable_one_is_refused() {
     let mesh = bent(0.0, 0.5, 1);
     let mut model = free(&mesh, SolidKernel::Hex8Full, 0.9);
-    let plain = free(&mesh, SolidKernel::Hex8Full, 0.0).stable_step(&Leapfrog).unwrap().step;
+    let plain = free(&mesh, SolidKernel::Hex8Full, 0.0)
+        .stable_step(&Leapfrog)
+        .unwrap()
+        .step;
     let options = RunOptions::steps(3).with_step(StepChoice::Fixed(plain));
     let refused = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap_err();
-    assert!(matches!(refused, RunError::UnstableStep { .. }), "{refused}");
+    assert!(
+        matches!(refused, RunError::UnstableStep { .. }),
+        "{refused}"
+    );
 }

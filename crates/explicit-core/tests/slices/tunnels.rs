@@ -32,7 +32,12 @@ impl Table {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/reference");
         let text = std::fs::read_to_string(root.join(name)).unwrap();
         let mut lines = text.lines().filter(|line| !line.starts_with('#'));
-        let names = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        let names = lines
+            .next()
+            .unwrap()
+            .split(',')
+            .map(str::to_owned)
+            .collect();
         let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect();
         Self {
             names,
@@ -48,7 +53,11 @@ impl Table {
         let value = |offset: f64| {
             let row = index + offset;
             let inside = row >= 0.0 && (row as usize) < self.rows.len();
-            if inside { self.rows[row as usize][column] } else { 0.0 }
+            if inside {
+                self.rows[row as usize][column]
+            } else {
+                0.0
+            }
         };
         let [a, b, c, d] = [-1.0, 0.0, 1.0, 2.0].map(value);
         b + 0.5 * x * (c - a + x * (2.0 * a - 5.0 * b + 4.0 * c - d + x * (3.0 * (b - c) + d - a)))
@@ -213,8 +222,10 @@ fn cavity(
     (missed / all).sqrt()
 }
 
-const SV25: (WaveKind, [f64; 2], &str) = (WaveKind::SV, [25.0, 50.0], "cavity_azimuth_sv25_az50.csv");
-const SV30: (WaveKind, [f64; 2], &str) = (WaveKind::SV, [30.0, 90.0], "cavity_azimuth_sv30_az90.csv");
+const SV25: (WaveKind, [f64; 2], &str) =
+    (WaveKind::SV, [25.0, 50.0], "cavity_azimuth_sv25_az50.csv");
+const SV30: (WaveKind, [f64; 2], &str) =
+    (WaveKind::SV, [30.0, 90.0], "cavity_azimuth_sv30_az90.csv");
 const P70: (WaveKind, [f64; 2], &str) = (WaveKind::P, [70.0, 90.0], "cavity_azimuth_p70_az90.csv");
 
 /// The wall of a cavity in a box of 4 radii moves as in the closed form, at a slowness of 0.94 of that of P waves. Another
@@ -270,7 +281,11 @@ fn a_ring_has_the_axial_stress_of_the_closed_form() {
             let beside = [(place + round - 1) % round, place];
             let elements = beside.iter().flat_map(|&e| [e, e + round]);
             let found = elements.map(|e| stresses[e].0[1]).sum::<f64>() / 4.0;
-            let exact = columns.map(|c| table.at(c, model.time())).iter().sum::<f64>() / 2.0;
+            let exact = columns
+                .map(|c| table.at(c, model.time()))
+                .iter()
+                .sum::<f64>()
+                / 2.0;
             missed += (found - exact).powi(2);
             all += exact * exact;
         }

@@ -17,8 +17,8 @@ use powerhouse_model::{
 use thiserror::Error;
 
 use crate::{
-    DelayedError, LayerError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
-    SceneFault, StagingError, ThroughError,
+    DelayedError, LayerError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError,
+    Results, SceneFault, StagingError, ThroughError,
 };
 
 /// Error in reading, composing, running or writing a scene.
