@@ -99,7 +99,8 @@ fn ordered(mesh: &Mesh, delayed: &DelayedPairs) -> Result<DelayedPairs, EngineEr
         let apart = nodes[high as usize] - nodes[low as usize];
         let wanted = *expected.get_or_insert(Vec3::new(0.0, apart.y, 0.0));
         let far = (apart - wanted).norm();
-        if !(wanted.y > 0.0 && far <= TOLERANCE * wanted.y) {
+        let fits = wanted.y > 0.0 && far <= TOLERANCE * wanted.y;
+        if !fits {
             return Err(EngineError::DelayedPair {
                 first: tags[low as usize],
                 second: tags[high as usize],
@@ -181,7 +182,7 @@ impl DelayedSlice {
                 continue;
             }
             let left = slice.inertia(index) / group.mass;
-            if !(left.min() >= LEAST_SHARE) {
+            if left.min().is_nan() || left.min() < LEAST_SHARE {
                 return Err(EngineError::DelayedMass {
                     node: tag(slice.sides[index][0]),
                     slowness: slice.slowness,

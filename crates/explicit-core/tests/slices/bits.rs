@@ -154,8 +154,7 @@ fn a_slice_in_equilibrium_stays_still() {
     let mesh = small();
     let law = LinearElastic::new(rock());
     let build = |moves: bool| {
-        let factory =
-            SolidKernel::Hex8Natural.factory("rock", law.clone(), BlockOptions::default());
+        let factory = SolidKernel::Hex8Natural.factory("rock", law, BlockOptions::default());
         let bottom = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
         let spec = Model::builder(&mesh)
             .elements("rock", factory)
@@ -168,8 +167,10 @@ fn a_slice_in_equilibrium_stays_still() {
         }
     };
     let mut resting = build(false).build().unwrap();
-    let mut options = StaticOptions::default();
-    options.tolerance = 1e-12;
+    let options = StaticOptions {
+        tolerance: 1e-12,
+        ..StaticOptions::default()
+    };
     resting.equilibrate(&options, &mut |_| {}).unwrap();
     let state = resting.state();
     let settled = (state.displacement.iter().map(|u| u.norm())).fold(0.0, f64::max);
