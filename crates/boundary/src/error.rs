@@ -62,6 +62,26 @@ pub enum BoundaryError {
         /// Name of the field.
         field: String,
     },
+    /// A face of a delayed slice that is not parallel to its axis y.
+    #[error(
+        "face '{face}' is not parallel to y: a slice under waves along y absorbs at its bottom and sides alone; its front and back are delayed against each other"
+    )]
+    FaceAcrossAxis {
+        /// Name of the face.
+        face: String,
+    },
+    /// Ground at a face of a delayed slice in which no P wave has the slowness along y.
+    #[error(
+        "face '{face}' has ground in which no P wave leaves with the slowness {slowness:.4e} s/m along y; it must be below {largest:.4e} s/m: take a smaller incidence, or an azimuth nearer to x"
+    )]
+    PastCritical {
+        /// Name of the face.
+        face: String,
+        /// Slowness along y (s/m).
+        slowness: f64,
+        /// Slowness of P waves in the ground (s/m).
+        largest: f64,
+    },
 }
 
 impl From<BoundaryError> for ModelError {

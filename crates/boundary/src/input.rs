@@ -101,6 +101,15 @@ fn field_loads(
             is_first = false;
         }
     }
+    if site.slowness != 0.0 {
+        // The nodes of a pair have the motion in the middle of the slice.
+        let along = site.nodes.iter().map(|node| node.position.y);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+            (low.min(y), high.max(y))
+        });
+        diagonal.move_to(0.5 * (low + high));
+        full.move_to(0.5 * (low + high));
+    }
     let mut loads = Vec::new();
     diagonal.push_loads(field, &mut loads)?;
     full.push_loads(field, &mut loads)?;
@@ -130,6 +139,13 @@ impl<F: NodeForce> Inputs<F> {
         match is_first {
             true => &mut self.first,
             false => &mut self.others,
+        }
+    }
+
+    /// Evaluates the field at another y (m) for all nodes.
+    fn move_to(&mut self, y: f64) {
+        for ((_, position, _), _) in self.first.iter_mut().chain(&mut self.others) {
+            position.y = y;
         }
     }
 
@@ -207,9 +223,9 @@ impl MatrixForce {
             vector_area: Vec3::zeros(),
         };
         for (share, coefficients) in shares {
-            let (spring, dashpot) = share_impedance(share, coefficients);
+            let [spring, dashpot, gyroscopic] = share_impedance(share, coefficients);
             sum.spring += spring;
-            sum.dashpot += dashpot;
+            sum.dashpot += dashpot + gyroscopic;
             sum.vector_area += share.area * share.normal;
         }
         sum

@@ -2,7 +2,7 @@
 
 use powerhouse_model::{AbsorbingBoundary, BoundaryParts, BoundarySite, ModelError};
 
-use crate::coefficients::{FaceCoefficients, ShareCoefficients, nodal_impedance};
+use crate::coefficients::{FaceCoefficients, ShareCoefficients, check_delayed, nodal_impedance};
 use crate::input::{InputMode, input_loads};
 
 /// Viscous boundary: dashpots with the impedance of P and S waves.
@@ -22,12 +22,17 @@ impl AbsorbingBoundary for Viscous {
         "viscous"
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
+        check_delayed(site)?;
         let coefficients: ShareCoefficients = site
             .nodes
             .iter()
             .map(|node| {
                 let media = node.faces.iter().map(|share| &share.medium);
-                media.map(FaceCoefficients::viscous).collect()
+                let of_medium = |medium| {
+                    let plain = FaceCoefficients::viscous(medium);
+                    plain.with_dashpots_matched(medium, site.slowness, 1.0)
+                };
+                media.map(of_medium).collect()
             })
             .collect();
         Ok(BoundaryParts::default()

@@ -6,7 +6,7 @@ use powerhouse_model::{
 };
 
 use crate::BoundaryError;
-use crate::coefficients::{FaceCoefficients, ShareCoefficients, nodal_impedance};
+use crate::coefficients::{FaceCoefficients, ShareCoefficients, check_delayed, nodal_impedance};
 use crate::input::{InputMode, input_loads};
 
 /// Viscous-spring parameters of the faces whose normal is nearest to one axis.
@@ -130,6 +130,8 @@ impl ViscousSpring {
             axis.speed_ratio,
             distance,
         );
+        let coefficients =
+            coefficients.with_dashpots_matched(&share.medium, site.slowness, axis.speed_ratio);
         Ok(match self.spreading {
             Spreading::Spherical => coefficients,
             Spreading::Cylindrical => coefficients.with_springs_scaled(0.5),
@@ -156,6 +158,7 @@ impl AbsorbingBoundary for ViscousSpring {
         for axis in &self.axes {
             axis.check()?;
         }
+        check_delayed(site)?;
         let least = LEAST_RELATIVE_DISTANCE * extent(site);
         let coefficients = site
             .nodes

@@ -2,6 +2,7 @@
 
 mod coefficients;
 mod column;
+mod delayed;
 mod domain_reduction;
 mod input;
 mod reflection;

@@ -209,6 +209,9 @@ impl Model {
             let reason = "it is computed on the host alone, in every step";
             Err(RunError::from(DeviceError::refused(part, reason)))
         };
+        if self.delayed.is_some() {
+            return refused("a slice under waves along y");
+        }
         if self.ledger.is_some() {
             return refused("the energy balance");
         }

@@ -126,6 +126,7 @@
 mod applied;
 mod condition;
 mod constrained;
+mod delayed;
 mod device;
 mod diagonal_group;
 mod effective_mass;

@@ -21,6 +21,8 @@ pub(crate) struct NodeGroup {
     pub(crate) dashpot: Mat3,
     /// Spring to the ground (N/m).
     pub(crate) spring: Mat3,
+    /// Skew coupling of y with x and z at the faces of a delayed slice (N s/m).
+    pub(crate) gyroscopic: Mat3,
     /// Fixed and prescribed directions.
     pub(crate) condition: Condition,
     /// Inertia that its fibre adds to its own motion, over the mass (1); zero without a fibre.

@@ -21,6 +21,9 @@ const RUN: &str = "run";
 /// Section of the motion of the body.
 const BODY: &str = "body";
 
+/// Section of the motion of a slice whose sides are delayed against each other.
+const SLICE: &str = "slice";
+
 /// Readings of the energy ledger so far.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Readings {
@@ -201,6 +204,13 @@ impl Model {
         add(&mut saved, RUN.into(), encode(&run))?;
         add(&mut saved, BODY.into(), encode(&body))?;
         drop(body);
+        if let Some(slice) = &self.delayed {
+            add(
+                &mut saved,
+                SLICE.into(),
+                encode(&(&slice.motion, &slice.work)),
+            )?;
+        }
         let mut parts = SavedRun::default();
         let own = self
             .save_parts(&mut parts)
@@ -344,6 +354,9 @@ impl Model {
             })
         })?;
         drop(body);
+        if let Some(slice) = &mut self.delayed {
+            (slice.motion, slice.work) = sections.decode(SLICE)?;
+        }
         self.spectrum = run.spectrum;
         self.restore_parts(&mut sections)?;
         for (index, load) in self.loads.all_mut().iter_mut().enumerate() {

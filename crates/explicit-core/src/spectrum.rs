@@ -11,11 +11,11 @@ use crate::ranks::Ranked;
 use crate::subdomain::Subdomain;
 
 /// Relative error bound of the highest eigenvalue at which the Lanczos method stops.
-const TOLERANCE: f64 = 5e-3;
+pub(crate) const TOLERANCE: f64 = 5e-3;
 /// Largest number of operator products.
-const MOST_PRODUCTS: usize = 300;
+pub(crate) const MOST_PRODUCTS: usize = 300;
 /// Number of products between two computations of the eigenvalue.
-const CHECK_INTERVAL: usize = 5;
+pub(crate) const CHECK_INTERVAL: usize = 5;
 
 /// Result of the Lanczos method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,7 +197,7 @@ fn product<S: Storage>(
 }
 
 /// A pseudo-random number in [-1, 1) from an integer (the mixer of Steele, Lea & Flood 2014).
-fn noise(index: u64) -> f64 {
+pub(crate) fn noise(index: u64) -> f64 {
     let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -206,7 +206,7 @@ fn noise(index: u64) -> f64 {
 
 /// Largest eigenvalue of a symmetric tridiagonal matrix, and magnitude of the last component of
 /// its unit eigenvector. `off`, the off-diagonal, has one entry more than the matrix needs.
-fn largest_ritz(diagonal: &[f64], off: &[f64]) -> (f64, f64) {
+pub(crate) fn largest_ritz(diagonal: &[f64], off: &[f64]) -> (f64, f64) {
     let size = diagonal.len();
     let matrix = nalgebra::DMatrix::from_fn(size, size, |i, j| match i.abs_diff(j) {
         0 => diagonal[i],

@@ -85,12 +85,13 @@ impl Model {
         let step = integrator.stable_step(&limits)?;
         let mut report = StableStep::new(step, 2.0 / spectrum.highest);
         (report.iterations, report.converged) = (spectrum.iterations, spectrum.converged);
+        let delayed = self.delayed_bound();
         let mut bounds: Vec<ElementBound<&str>> = Vec::new();
         let numbers = &self.ranks.block_numbers;
         for (block, &number) in self.blocks.iter().zip(numbers) {
             for (index, bound) in (0..).zip(block.frequency_bounds()) {
                 let damping = bound.stiffness_damping;
-                let frequency = bound.frequency / self.slowing(bound.element);
+                let frequency = bound.frequency * delayed / self.slowing(bound.element);
                 let alone = FrequencyLimits::undamped(frequency).with_damping(
                     damping,
                     damping,
@@ -172,13 +173,16 @@ impl Model {
         let team = &self.ranks.team;
         let (least, most) = (team.least_of(least), team.most_of(most));
         let (bound, reference_speed) = (team.most_of(bound), team.most_of(reference_speed));
-        let found = self.in_pool(|model| model.highest_eigenvalue(|_| 1.0));
+        let found = self.in_pool(|model| {
+            let of_slice = model.highest_of_slice(bound);
+            of_slice.unwrap_or_else(|| model.highest_eigenvalue(|_| 1.0))
+        });
         let assembled = (found.value + found.residual).sqrt();
         let converged = found.converged && assembled > 0.0;
         let highest = if converged {
             assembled
         } else {
-            bound.max(assembled)
+            (bound * self.delayed_bound()).max(assembled)
         };
         let mut stiffness_damping = most;
         if least < most {
@@ -198,6 +202,18 @@ impl Model {
         };
         self.spectrum = Some(spectrum);
         spectrum
+    }
+
+    /// By what the delay of a slice raises the frequency of an element at most, `1 / sqrt(1 - s^2 c^2)` with the highest
+    /// speed `c` of any part; 1 for other bodies.
+    fn delayed_bound(&self) -> f64 {
+        let Some(slice) = &self.delayed else {
+            return 1.0;
+        };
+        let groups = self.groups.groups.iter().enumerate();
+        let left = groups.filter(|(_, group)| group.mass > 0.0);
+        let left = left.map(|(g, group)| (slice.inertia(g) / group.mass).min());
+        1.0 / left.fold(1.0, f64::min).sqrt()
     }
 
     /// By what fibres divide the frequency bound of an element all of whose nodes are in one, taken as that of a motion

@@ -11,6 +11,7 @@ mod ranks;
 mod refusals;
 mod resume;
 mod runs;
+mod slices;
 mod solids;
 mod stability;
 mod stages;

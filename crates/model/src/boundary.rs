@@ -45,6 +45,9 @@ pub struct BoundarySite<'a> {
     pub scatterer: Vec3,
     /// Free field (incident field with its reflections) to be applied at the boundary; none for a boundary without input.
     pub field: Option<&'a dyn IncidentField>,
+    /// Slowness along y (s/m) of all motion of a delayed slice ([`DelayedPairs`](crate::DelayedPairs)); zero for every
+    /// other body.
+    pub slowness: f64,
 }
 
 impl<'a> BoundarySite<'a> {
@@ -60,7 +63,15 @@ impl<'a> BoundarySite<'a> {
             nodes,
             scatterer,
             field,
+            slowness: 0.0,
         }
+    }
+
+    /// The same site of a delayed slice, with the slowness along y (s/m) of its motion.
+    #[must_use]
+    pub fn with_slowness(mut self, slowness: f64) -> Self {
+        self.slowness = slowness;
+        self
     }
 
     /// The site of named faces of a mesh, nodes in rising order.
@@ -108,6 +119,7 @@ impl<'a> BoundarySite<'a> {
                 .collect(),
             scatterer,
             field,
+            slowness: 0.0,
         }
     }
 }
@@ -144,6 +156,9 @@ pub struct NodalImpedance {
     pub spring: Mat3,
     /// Dashpot matrix (N s/m), symmetric and positive semi-definite; acts on the velocity.
     pub dashpot: Mat3,
+    /// Gyroscopic matrix (N s/m), skew-symmetric: a force across the velocity, which does no work. It couples y with x and z
+    /// at the faces of a delayed slice, and is zero everywhere else.
+    pub gyroscopic: Mat3,
 }
 
 impl NodalImpedance {
@@ -154,7 +169,14 @@ impl NodalImpedance {
             node,
             spring,
             dashpot,
+            gyroscopic: Mat3::zeros(),
         }
+    }
+    /// The same impedance with a gyroscopic matrix (N s/m), skew-symmetric.
+    #[must_use]
+    pub fn with_gyroscopic(mut self, gyroscopic: Mat3) -> Self {
+        self.gyroscopic = gyroscopic;
+        self
     }
 }
 

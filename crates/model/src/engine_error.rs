@@ -220,6 +220,14 @@ pub enum EngineError {
         /// Why it cannot.
         reason: &'static str,
     },
+    /// A gyroscopic matrix of a boundary that is not skew, or of a body that is no delayed slice.
+    #[error(
+        "the boundary at node {node} has a gyroscopic matrix, which must be skew and which a delayed slice alone takes"
+    )]
+    Gyroscopic {
+        /// Number of the node.
+        node: u64,
+    },
     /// A node that belongs to two constraints.
     #[error("node {node} belongs to both constraints '{first}' and '{second}'")]
     ConstrainedTwice {
@@ -273,6 +281,57 @@ pub enum EngineError {
     PeriodicSides {
         /// Number of the partner of several nodes.
         node: u64,
+    },
+    /// A node of a delayed slice that is in no pair, or in several.
+    #[error(
+        "node {node} is in {count} delayed pairs: every node of a slice under waves along y is in one, with the node on its other side"
+    )]
+    DelayedNode {
+        /// Number of the node.
+        node: u64,
+        /// Number of pairs that it is in.
+        count: usize,
+    },
+    /// A delayed pair that is not along y, or farther apart than others.
+    #[error(
+        "the nodes {first} and {second} are a delayed pair, but not apart by ({}, {}, {}) m: a slice under waves along y has one layer of elements extruded along y", expected[0], expected[1], expected[2]
+    )]
+    DelayedPair {
+        /// Number of the first node.
+        first: u64,
+        /// Number of the second node.
+        second: u64,
+        /// Distance of the other pairs (m).
+        expected: [f64; 3],
+    },
+    /// Something that a delayed slice does not take.
+    #[error("a slice under waves along y does not take {what}: {way}")]
+    DelayedWith {
+        /// What it does not take.
+        what: String,
+        /// The way out.
+        way: &'static str,
+    },
+    /// A slowness along y at which the inertia of a node is not positive: waves of the material are slower than the motion
+    /// along y demands.
+    #[error(
+        "at the slowness {slowness:.4e} s/m along y the share of the mass of node {node} that is left is {share:.3}, below {least}: P waves of every material must be faster than the apparent speed along y; take a smaller incidence, or an azimuth nearer to x"
+    )]
+    DelayedMass {
+        /// Number of the node.
+        node: u64,
+        /// Slowness along y (s/m).
+        slowness: f64,
+        /// Share of the mass that is left (1).
+        share: f64,
+        /// Least permitted share (1).
+        least: f64,
+    },
+    /// A slowness of delayed pairs that is not finite.
+    #[error("the slowness of delayed pairs along y is {slowness} s/m and must be finite")]
+    DelayedSlowness {
+        /// The slowness (s/m).
+        slowness: f64,
     },
     /// Tied nodes with different initial velocities, where a motion or state is [set](crate::EngineModel::set_initial).
     #[error("node {node} is tied to node {partner} but has another initial velocity")]

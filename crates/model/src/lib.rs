@@ -27,6 +27,7 @@ mod checksum;
 mod constraint;
 mod constraint_parts;
 mod contact_law;
+mod delayed;
 mod disjoint_sets;
 mod elastic_domain;
 mod element;
@@ -81,6 +82,7 @@ pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
 };
+pub use delayed::DelayedPairs;
 pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{

@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::{
-    AddedMass, BlockFactory, BoundaryParts, CheckpointSink, Constraint, EmbeddedElements, Mesh,
-    NodalLoad, PeriodicPairs, Prescribed, SavedRun, State, Support, TimeFunction, Vec3,
+    AddedMass, BlockFactory, BoundaryParts, CheckpointSink, Constraint, DelayedPairs,
+    EmbeddedElements, Mesh, NodalLoad, PeriodicPairs, Prescribed, SavedRun, State, Support,
+    TimeFunction, Vec3,
 };
 
 /// A selection of elements: a named set, or mesh indices.
@@ -51,6 +52,8 @@ pub struct ModelSpec<'a> {
     pub supports: Vec<Support>,
     /// Periodic pairs.
     pub periodic: Vec<PeriodicPairs>,
+    /// Delayed pairs of all nodes of a slice; none for any other body.
+    pub delayed: Option<DelayedPairs>,
     /// Prescribed motions.
     pub prescribed: Vec<Prescribed>,
     /// Nodal loads.
@@ -87,6 +90,7 @@ impl<'a> ModelSpec<'a> {
             sets: Vec::new(),
             supports: Vec::new(),
             periodic: Vec::new(),
+            delayed: None,
             prescribed: Vec::new(),
             loads: Vec::new(),
             weights: Vec::new(),
@@ -131,6 +135,12 @@ impl<'a> ModelSpec<'a> {
     #[must_use]
     pub fn periodic(mut self, pairs: PeriodicPairs) -> Self {
         self.periodic.push(pairs);
+        self
+    }
+    /// Makes the body a slice with delayed pairs, to which all its nodes belong.
+    #[must_use]
+    pub fn delayed(mut self, pairs: DelayedPairs) -> Self {
+        self.delayed = Some(pairs);
         self
     }
     /// Adds a prescribed motion of nodes.

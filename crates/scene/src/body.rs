@@ -4,8 +4,8 @@ use core::f64::consts::TAU;
 use std::collections::HashSet;
 
 use powerhouse_model::{
-    BlockFactory, BlockOptions, BlockPart, ElementKind, ModelSpec, ParameterError, Precision,
-    Prescribed, Rayleigh,
+    BlockFactory, BlockOptions, BlockPart, DelayedPairs, ElementKind, ModelSpec, ParameterError,
+    Precision, Prescribed, Rayleigh,
 };
 
 use crate::acting::{StagedLoad, function};
@@ -154,6 +154,14 @@ impl Scene {
         for pairs in &self.periodic {
             spec = spec.periodic(pairs.clone());
         }
+        spec = match (&self.delayed, stage) {
+            (None, _) => spec,
+            (Some(pairs), Some(_)) => spec.periodic(pairs.clone()),
+            (Some(pairs), None) => spec.delayed(DelayedPairs {
+                pairs: pairs.pairs.clone(),
+                slowness: self.slowness_along_y(),
+            }),
+        };
         for driven in &self.prescribed {
             spec = spec.prescribed(Prescribed {
                 nodes: driven.nodes.clone(),

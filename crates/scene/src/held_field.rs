@@ -235,6 +235,9 @@ impl Scene {
     /// What repeats the body along a horizontal direction without end: periodic pairs, or rollers along that direction
     /// at both ends of the body.
     pub fn repeated_by(&self) -> Option<&'static str> {
+        if self.delayed.is_some() {
+            return Some("a slice");
+        }
         if !self.periodic.is_empty() {
             return Some("a body between periodic ends");
         }

@@ -22,6 +22,7 @@ mod acting;
 mod body;
 mod boundary;
 mod check_heights;
+mod delayed;
 mod engine;
 mod error;
 mod fault;
@@ -64,6 +65,7 @@ mod water_mass;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
+pub use delayed::DelayedError;
 pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use fibre_choice::{FibreChoice, FibreOptions};

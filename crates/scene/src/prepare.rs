@@ -71,6 +71,7 @@ impl Scene {
         self.check_threads();
         self.part_of_elements()?;
         self.check_mirrors()?;
+        self.check_delayed()?;
         self.scatterer()?;
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
@@ -337,6 +338,7 @@ impl Scene {
             _ => field,
         };
         let site = BoundarySite::from_mesh(&self.mesh, &facets, medium, scatterer, field);
+        let site = site.with_slowness(self.slowness_along_y());
         if let Some(field) = field {
             self.check_field(field, (&facets, &site))?;
         }

@@ -125,6 +125,8 @@ pub struct Scene {
     #[doc(hidden)]
     pub periodic: Vec<PeriodicPairs>,
     #[doc(hidden)]
+    pub delayed: Option<PeriodicPairs>,
+    #[doc(hidden)]
     pub prescribed: Vec<PrescribedMotion>,
     #[doc(hidden)]
     pub loads: Vec<StagedLoad>,
@@ -197,6 +199,7 @@ impl Scene {
             supports: Vec::new(),
             mirrors: Vec::new(),
             periodic: Vec::new(),
+            delayed: None,
             prescribed: Vec::new(),
             loads: Vec::new(),
             weights: Vec::new(),

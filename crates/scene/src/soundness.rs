@@ -183,7 +183,7 @@ impl Scene {
                 bodies.join(pair.nodes[0], pair.nodes[1]);
             }
         }
-        for &(from, to) in self.periodic.iter().flat_map(|pairs| &pairs.pairs) {
+        for (from, to) in self.all_pairs() {
             bodies.join(from, to);
         }
         let resting: BTreeSet<u32> = held.into_iter().map(|node| bodies.root(node)).collect();

@@ -262,7 +262,7 @@ impl Scene {
             driven.nodes.iter().for_each(|&n| hold(n, driven.direction));
         }
         let positions = self.mesh.positions();
-        for &(from, to) in self.periodic.iter().flat_map(|periodic| &periodic.pairs) {
+        for (from, to) in self.all_pairs() {
             let along = positions[to as usize] - positions[from as usize];
             hold(from, along);
             hold(to, along);

@@ -158,6 +158,11 @@ impl FreeFieldCheck {
             for pairs in &held.periodic {
                 composed = composed.with_periodic_pairs(pairs.clone());
             }
+            if let Some(pairs) = &held.delayed {
+                composed = composed.with_delayed_sides(pairs.clone());
+                // Their slowness is that of the waves of which the field is the sum.
+                composed.waves = scene.plane_waves().to_vec();
+            }
             if let Some(threads) = scene.threads() {
                 composed = composed.with_threads(threads);
             }

@@ -25,6 +25,8 @@ const TOLERANCE: f64 = 1e-6;
 pub(crate) struct SideSupports {
     pub(crate) supports: Vec<Support>,
     pub(crate) periodic: Vec<PeriodicPairs>,
+    /// Delayed sides of a slice.
+    pub(crate) delayed: Option<PeriodicPairs>,
 }
 
 /// Names the sides of a box after the scene's absorbing faces on them, and transfers supports and periodic pairs of
@@ -55,7 +57,8 @@ pub(crate) fn transfer_supports(
             let both = pairs.pairs.iter().flat_map(|&(from, to)| [from, to]);
             holds(&both.collect::<Vec<u32>>())
         };
-        let pairs = scene.periodic_pairs().iter().any(|pairs| is_paired(&pairs));
+        let delayed = scene.delayed_sides().is_some_and(|pairs| is_paired(&pairs));
+        let pairs = delayed || scene.periodic_pairs().iter().any(|pairs| is_paired(&pairs));
         if pairs && !paired[axis] {
             paired[axis] = true;
             let opposite = nodes_on(ground, axis, !upper);
@@ -63,7 +66,10 @@ pub(crate) fn transfer_supports(
             let tolerance = TOLERANCE * (high - low).norm();
             let pairs = PeriodicPairs::by_translation(ground, &there, &opposite, tolerance);
             let pairs = pairs.map_err(|error| Error::from(ModelError::from(error)))?;
-            held.periodic.push(pairs);
+            match delayed {
+                true => held.delayed = Some(pairs),
+                false => held.periodic.push(pairs),
+            }
         }
         if supports.is_empty() && !pairs {
             return Err(StudyError::OpenFace { face });

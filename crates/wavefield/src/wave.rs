@@ -77,6 +77,12 @@ impl PlaneWaveParameters {
         let (across, along) = self.azimuth.radians().sin_cos();
         Vec3::new(sine * along, sine * across, cosine)
     }
+
+    /// Slowness of the incident wave (s/m): its direction of travel over its speed. Its horizontal components are those of
+    /// the waves that the free surface reflects, too.
+    pub fn slowness(&self) -> Vec3 {
+        self.direction() / self.kind.speed(&self.medium)
+    }
 }
 
 /// Corner of the box from `low` to `high` that a plane wave of the given direction reaches first.

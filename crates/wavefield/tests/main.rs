@@ -1,5 +1,6 @@
 //! Time histories and the free field.
 
+mod azimuth;
 mod convention;
 mod design_spectra;
 mod half_space;

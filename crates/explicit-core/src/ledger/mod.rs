@@ -15,6 +15,7 @@ use powerhouse_model::{
 use rayon::prelude::*;
 
 use crate::Model;
+use crate::delayed::DelayedWork;
 use crate::groups::Groups;
 use crate::nodes::{Nodes, with_nodes};
 use crate::ranks::Communicator;
@@ -157,6 +158,9 @@ impl Model {
     }
 
     pub(crate) fn close_ledger(&mut self) {
+        if let Some(slice) = &mut self.delayed {
+            slice.work = DelayedWork::default();
+        }
         self.ledger = None;
     }
 
@@ -257,6 +261,9 @@ impl Model {
 
     /// Reads the ledger between kick and drift, for a residual with a limit (1); none if no ledger is open.
     pub(crate) fn read_ledger(&mut self, step: f64, limit: f64) -> Option<Reading> {
+        if self.delayed.is_some() {
+            return self.read_slice_ledger(step);
+        }
         self.record_first_half(step);
         let mut ledger = self.ledger.take()?;
         let energies = self.block_energies(step, true);

@@ -13,6 +13,7 @@ use super::solids::{Solids, build_blocks};
 use super::start::{InitialState, InitialStress};
 use super::{BoundConstraint, Model, least_mass};
 use crate::applied::AppliedLoads;
+use crate::delayed::{DelayedSlice, pair_up};
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::partition::Partition;
@@ -50,6 +51,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     if !team.is_single() {
         team.check_same("the specification of the model", fingerprint(&spec))?;
     }
+    let delayed = pair_up(&spec, team.is_single())?;
     let pool = match spec.threads {
         Some(threads) => Some(start_threads(threads)?),
         None => None,
@@ -155,10 +157,13 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let is_here: Vec<bool> = nodes.map(|node| ranked.local(node) != ABSENT).collect();
     let mut plan = GroupPlan::new(mesh, &numbering, &is_here);
     for pairs in &spec.periodic {
-        plan.tie(pairs)?;
+        plan.tie(&pairs.pairs)?;
+    }
+    if let Some(pairs) = &spec.delayed {
+        plan.tie(&pairs.pairs)?;
     }
     for (node, item) in &impedance {
-        plan.add_impedance(*node, item)?;
+        plan.add_impedance(*node, item, delayed.is_some())?;
     }
     for (node, item) in &added_masses {
         plan.add_mass(*node, item)?;
@@ -177,6 +182,9 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let constrained: Vec<Vec<u32>> = (constrained.into_iter())
         .map(|nodes| nodes.into_iter().map(|node| ranked.local(node)).collect())
         .collect();
+    let delayed =
+        delayed.map(|pairs| DelayedSlice::new(mesh, &pairs, &groups, &subdomain, &blocks));
+    let delayed = delayed.transpose()?;
     let groups = Groups::new(groups, &constrained.concat(), &subdomain.slots);
     let constraints = bind(constraints, constrained);
 
@@ -208,6 +216,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         has_added_masses: !added_masses.is_empty(),
         group_of,
         groups,
+        delayed,
         loads,
         prescribed: prescribed.map(|p| p.displacement).collect(),
         constraints,

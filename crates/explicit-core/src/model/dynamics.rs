@@ -199,6 +199,9 @@ impl Dynamics for Model {
     fn forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
         self.in_pool(|model| {
             model.complete_kick();
+            if model.delayed.is_some() {
+                return model.slice_forces(terms, step);
+            }
             match model.fault.take() {
                 Some(fault) => Err(fault),
                 None => model.evaluate(terms, step),
@@ -210,6 +213,11 @@ impl Dynamics for Model {
         self.in_pool(|model| {
             let start = model.clock();
             model.complete_kick();
+            if model.delayed.is_some() {
+                model.kick_slice(rule, step);
+                model.spent(Phase::Groups, start);
+                return;
+            }
             model.prepare(rule, step);
             model.predict(step);
             model.kicked = true;
@@ -224,6 +232,10 @@ impl Dynamics for Model {
 
     fn drift(&mut self, step: f64) {
         self.in_pool(|model| {
+            if model.delayed.is_some() {
+                model.drift_slice(step);
+                return;
+            }
             if model.kicked {
                 let start = model.clock();
                 model.record_first_half(step);
@@ -289,7 +301,7 @@ impl Model {
         }
     }
 
-    fn evaluate(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
+    pub(crate) fn evaluate(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
         let commit = core::mem::take(&mut self.uncommitted);
         let Self {
             nodes,
@@ -486,7 +498,7 @@ impl Model {
     }
 
     /// The error of a diverged motion, with the fastest node; a node whose velocity is not finite counts as fastest.
-    fn divergence(&mut self) -> RunError {
+    pub(crate) fn divergence(&mut self) -> RunError {
         let rank = |v: &Vec3| {
             let speed = v.norm();
             if speed.is_finite() {

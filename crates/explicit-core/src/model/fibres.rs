@@ -46,6 +46,10 @@ impl Model {
             let reason = "they are computed on the host alone";
             return Err(ModelError::refused("fibres", reason));
         }
+        if is_wanted && self.delayed.is_some() {
+            let reason = "a slice under waves along y takes none";
+            return Err(ModelError::refused("fibres", reason));
+        }
         let lead_of = self.leads();
         let found = self.fibres_of_leads(fibres, &lead_of)?;
         // Of a model that is refused these fibres the constraints are prepared for those before again.

@@ -18,6 +18,7 @@ use powerhouse_model::{
 };
 
 use crate::applied::AppliedLoads;
+use crate::delayed::DelayedSlice;
 use crate::device::DeviceSteps;
 use crate::groups::Groups;
 use crate::ledger::Ledger;
@@ -80,6 +81,8 @@ pub struct Model {
     /// Group of each engine node.
     pub(crate) group_of: Vec<Option<u32>>,
     pub(crate) groups: Groups,
+    /// The slice, if the body is one whose sides are delayed against each other.
+    pub(crate) delayed: Option<DelayedSlice>,
     pub(crate) loads: AppliedLoads,
     prescribed: Vec<Box<dyn TimeFunction>>,
     pub(crate) constraints: Vec<BoundConstraint>,
@@ -102,7 +105,7 @@ pub struct Model {
     /// Whether the kick of the plain nodes is pending; it shares a pass with the drift.
     kicked: bool,
     /// Whether the history variables of a completed step are still to be committed.
-    uncommitted: bool,
+    pub(crate) uncommitted: bool,
     /// Measurement of the parts of time steps, while one is under way.
     pub(crate) profiler: Option<Box<Profiler>>,
     /// The energy ledger, while one is open.

@@ -145,6 +145,9 @@ impl Model {
         self.check_ties(velocity)?;
         self.complete_kick();
         self.groups.motion.invalidate();
+        if let Some(slice) = &mut self.delayed {
+            slice.motion = None;
+        }
         let numbering = &self.subdomain.numbering;
         let roller_nodes = &self.groups.motion.roller_nodes;
         with_nodes!(&mut self.nodes, arrays => {

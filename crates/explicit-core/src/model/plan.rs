@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    AddedMass, Constraint, EngineError, Mat3, Mesh, NodalImpedance, PeriodicPairs, Prescribed,
-    Support,
+    AddedMass, Constraint, EngineError, Mat3, Mesh, NodalImpedance, Prescribed, Support,
 };
 
 use crate::node_group::NodeGroup;
@@ -88,8 +87,8 @@ impl<'a> GroupPlan<'a> {
         self.nodes.entry(root).or_default()
     }
 
-    pub(super) fn tie(&mut self, periodic: &PeriodicPairs) -> Result<(), EngineError> {
-        for &(a, b) in &periodic.pairs {
+    pub(super) fn tie(&mut self, pairs: &[(u32, u32)]) -> Result<(), EngineError> {
+        for &(a, b) in pairs {
             let a = engine_node("a periodic pair", a, self.numbers())?;
             let b = engine_node("a periodic pair", b, self.numbers())?;
             let (a, b) = (self.root(a), self.root(b));
@@ -102,6 +101,7 @@ impl<'a> GroupPlan<'a> {
         &mut self,
         engine: u32,
         item: &NodalImpedance,
+        delayed: bool,
     ) -> Result<(), EngineError> {
         for (what, matrix) in [("spring", &item.spring), ("dashpot", &item.dashpot)] {
             if !is_positive_semidefinite(matrix) {
@@ -109,10 +109,18 @@ impl<'a> GroupPlan<'a> {
                 return Err(EngineError::Impedance { what, node });
             }
         }
+        let turned = item.gyroscopic + item.gyroscopic.transpose();
+        let skew = turned.amax() <= 1e-9 * item.gyroscopic.amax();
+        if !skew || !(delayed || item.gyroscopic == Mat3::zeros()) {
+            return Err(EngineError::Gyroscopic {
+                node: self.tag_of(engine),
+            });
+        }
         if !self.is_here[engine as usize] {
             return Ok(());
         }
         let group = self.entry(engine);
+        group.gyroscopic += item.gyroscopic;
         group.spring += item.spring;
         group.dashpot += item.dashpot;
         Ok(())

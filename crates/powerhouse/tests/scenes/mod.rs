@@ -9,6 +9,7 @@ mod cast_joints;
 mod code_spectra;
 mod crack_bands;
 mod damping;
+mod delayed_sides;
 mod fibres;
 mod former_keys;
 mod grouted_bolts;

@@ -5,7 +5,7 @@ use powerhouse_scene::{Fault, Problem, WaterBeside};
 
 use super::draft::Draft;
 use super::{Names, one_of};
-use crate::spec::{AddedMass, At, Finite, Positive, WATER_DENSITY};
+use crate::spec::{AddedMass, At, Finite, water_density};
 
 /// Adds the water beside facet sets to a scene.
 pub(super) fn added_masses(
@@ -24,7 +24,6 @@ pub(super) fn added_masses(
 }
 
 fn water(table: &At<AddedMass>) -> Result<WaterMass, Fault> {
-    let density = |given: &Option<Positive>| given.map_or(WATER_DENSITY, Positive::get);
     match &**table {
         AddedMass::Westergaard {
             level,
@@ -51,7 +50,7 @@ fn water(table: &At<AddedMass>) -> Result<WaterMass, Fault> {
                 }
             };
             Ok(WaterMass::Westergaard {
-                density: density(given),
+                density: water_density(*given),
                 level,
                 depth,
             })
@@ -61,7 +60,7 @@ fn water(table: &At<AddedMass>) -> Result<WaterMass, Fault> {
             density: given,
             ..
         } => Ok(WaterMass::Conduit {
-            density: density(given),
+            density: water_density(*given),
             diameter: diameter.get(),
         }),
         AddedMass::Table {

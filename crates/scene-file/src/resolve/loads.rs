@@ -15,7 +15,7 @@ use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
 use crate::spec::{self, At, Finite, Function, Load, Positive, water_weight};
 use powerhouse_scene::internal::{GRAVITY, StagedLoad};
-use powerhouse_scene::{Fault, InitialMotion, Mirror, Parity, Problem, Remark};
+use powerhouse_scene::{DelayedError, Fault, InitialMotion, Mirror, Parity, Problem, Remark};
 
 /// Matching tolerance of the nodes of periodic faces, over the diagonal of the mesh.
 const PERIODIC_TOLERANCE: f64 = 1e-6;
@@ -56,13 +56,13 @@ pub(super) fn supports(
                 mirror(names, plane, Parity::Antisymmetric, scene)?;
             }
             spec::Support::Periodic { from, to } => {
-                let (from_nodes, to_nodes) = (names.nodes(from)?, names.nodes(to)?);
-                let (low, high) = names.mesh.bounding_box();
-                let tolerance = PERIODIC_TOLERANCE * (high - low).norm();
-                let pairs =
-                    PeriodicPairs::by_translation(names.mesh, &from_nodes, &to_nodes, tolerance)
-                        .map_err(|error| Fault::refused(to.span(), error))?;
-                scene.periodic.push(pairs);
+                scene.periodic.push(paired(names, from, to)?);
+            }
+            spec::Support::Delayed { from, to } => {
+                if scene.delayed.is_some() {
+                    return Err(Fault::refused(support.span(), DelayedError::Twice));
+                }
+                scene.scene.delayed = Some(paired(names, from, to)?);
             }
             spec::Support::Prescribed {
                 set,
@@ -102,6 +102,15 @@ pub(super) fn supports(
         }
     }
     Ok(())
+}
+
+/// Pairs of the nodes of two sets, the second the first one, translated.
+fn paired(names: &Names, from: &At<String>, to: &At<String>) -> Result<PeriodicPairs, Fault> {
+    let (from_nodes, to_nodes) = (names.nodes(from)?, names.nodes(to)?);
+    let (low, high) = names.mesh.bounding_box();
+    let tolerance = PERIODIC_TOLERANCE * (high - low).norm();
+    let pairs = PeriodicPairs::by_translation(names.mesh, &from_nodes, &to_nodes, tolerance);
+    pairs.map_err(|error| Fault::refused(to.span(), error))
 }
 
 /// Symmetry plane: its table, its set, and its normal if given.

@@ -48,6 +48,15 @@ pub enum Support {
         /// Node, facet or element set of the second face: the first one, translated.
         to: At<String>,
     },
+    /// Delayed sides: the two sides of a slice along y, for a structure that is long along y under waves of any azimuth. The
+    /// side of larger y moves as the other one, later by the travel time of the waves along y; in construction stages both
+    /// move as one. All waves need one slowness along y, below that of P waves in every part.
+    Delayed {
+        /// Node, facet or element set of the first side.
+        from: At<String>,
+        /// Node, facet or element set of the second side: the first one, translated along y.
+        to: At<String>,
+    },
     /// Prescribed motion along one direction, free across it.
     Prescribed {
         /// Node, facet or element set.
@@ -74,7 +83,7 @@ impl Support {
             | Self::Symmetry { set, .. }
             | Self::Antisymmetry { set, .. }
             | Self::Prescribed { set, .. } => vec![set],
-            Self::Periodic { from, to } => vec![from, to],
+            Self::Periodic { from, to } | Self::Delayed { from, to } => vec![from, to],
         }
     }
 }
@@ -148,9 +157,13 @@ pub enum Load {
     },
 }
 
-/// Weight per volume (N/m3) of water of a density, 1000 kg/m3 by default.
+/// Density of water (kg/m3), 1000 by default.
+pub(crate) fn water_density(given: Option<Positive>) -> f64 {
+    given.map_or(1000.0, Positive::get)
+}
+/// Weight per volume (N/m3) of water of a density, of the default one without.
 pub(crate) fn water_weight(density: Option<Positive>) -> f64 {
-    density.map_or(1000.0, Positive::get) * GRAVITY
+    water_density(density) * GRAVITY
 }
 /// Default bulk modulus of water (Pa).
 pub(crate) const WATER_BULK_MODULUS: f64 = 2.2e9;

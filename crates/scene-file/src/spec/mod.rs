@@ -64,7 +64,7 @@ pub use ground::{
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub use layer::{EquivalentLinear, Layer, StrainCurves};
 pub use load::{Load, Support};
-pub(crate) use load::{WATER_BULK_MODULUS, water_weight};
+pub(crate) use load::{WATER_BULK_MODULUS, water_density, water_weight};
 pub use material::{Damping, Material, Part, PoreWater};
 pub use motion::Motion;
 pub use output::{

@@ -17,8 +17,8 @@ use powerhouse_model::{
 use thiserror::Error;
 
 use crate::{
-    LayerError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError, Results,
-    SceneFault, StagingError, ThroughError, WaterError,
+    DelayedError, LayerError, Magnitude, MagnitudeOf, MirrorError, NameError, Problem, RegionError,
+    Results, SceneFault, StagingError, ThroughError, WaterError,
 };
 
 /// Error in reading, composing, running or writing a scene.
@@ -176,6 +176,10 @@ pub enum Error {
     /// [`Scene::prepare`](crate::Scene::prepare).
     #[error(transparent)]
     Mirror(#[from] MirrorError),
+    /// Slice with delayed sides that is invalid, or that has something that such slices do not take, found by
+    /// [`Scene::prepare`](crate::Scene::prepare).
+    #[error(transparent)]
+    Delayed(#[from] DelayedError),
     /// Kernel given for a part that has no element of the kernel's kind.
     #[error("the kernel '{kernel}' is not for any element of part '{set}'")]
     UnusedKernel {

@@ -82,6 +82,8 @@ impl RegisteredBoundary {
             tangential_spring: sum(|node| node.spring[(1, 1)]),
             normal_dashpot: sum(|node| node.dashpot[(0, 0)]),
             tangential_dashpot: sum(|node| node.dashpot[(1, 1)]),
+            axial_dashpot: sum(|node| node.dashpot[(1, 1)]),
+            coupling: 0.0,
         })
     }
 }

@@ -100,7 +100,12 @@ pub(super) fn key(scene: &FileScene) -> String {
     }
     sum.add_mesh(scene.mesh());
     // The debug format contains nodes and directions.
-    let supports = format!("{:?} {:?}", scene.supports(), scene.periodic_pairs());
+    let pairs: Vec<_> = scene
+        .periodic_pairs()
+        .iter()
+        .chain(scene.delayed_sides())
+        .collect();
+    let supports = format!("{:?} {pairs:?}", scene.supports());
     let joints: Vec<&str> = scene.joints().map(|(name, ..)| name).collect();
     let boundary = scene.boundary();
     let faces = boundary.map_or(&[][..], |boundary| &boundary.faces);

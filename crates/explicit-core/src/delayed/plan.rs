@@ -1,0 +1,226 @@
+//! Delayed pairs of a model: check, sides, fixed axes.
+
+use powerhouse_model::{
+    DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, Precision, Vec3,
+};
+
+use super::{DelayedSlice, DelayedWork, Lumping};
+use crate::node_group::NodeGroup;
+use crate::subdomain::Subdomain;
+
+/// Distance of a pair from that of the others, over that distance, above which it is refused.
+const TOLERANCE: f64 = 1e-6;
+/// Least share of the mass of a node that the slowness may leave.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Which of x, y and z are fixed.
+pub(crate) type Axes = [bool; 3];
+
+fn with(what: impl Into<String>, way: &'static str) -> EngineError {
+    EngineError::DelayedWith {
+        what: what.into(),
+        way,
+    }
+}
+
+/// The pairs of a specification, each with its node of the smaller y first; none if the body is no delayed slice, or its
+/// slowness is zero, where they are periodic.
+pub(crate) fn pair_up(spec: &ModelSpec, single: bool) -> Result<Option<DelayedPairs>, EngineError> {
+    let Some(delayed) = spec.delayed.as_ref().filter(|pairs| pairs.slowness != 0.0) else {
+        return Ok(None);
+    };
+    if !delayed.slowness.is_finite() {
+        return Err(EngineError::DelayedSlowness {
+            slowness: delayed.slowness,
+        });
+    }
+    let alone = "run it in one process, on as many threads as there are";
+    let present = [
+        (!single, "ranks", alone),
+        (
+            !spec.constraints.is_empty(),
+            "joints",
+            "bond what they divide, or take a body with its whole length along y",
+        ),
+        (
+            !spec.embedded.is_empty(),
+            "bolts",
+            "leave them out, or take a body with its whole length along y",
+        ),
+        (
+            !spec.added_masses.is_empty(),
+            "added masses",
+            "leave the water beside it out, or take a body with its whole length along y",
+        ),
+        (
+            !spec.prescribed.is_empty(),
+            "prescribed motions",
+            "let the wave enter through absorbing faces",
+        ),
+        (
+            !spec.periodic.is_empty(),
+            "other periodic pairs",
+            "absorb at the sides across x",
+        ),
+        (
+            (spec.boundaries.iter()).any(|parts| !parts.blocks.is_empty()),
+            "boundaries with elements of their own",
+            "take a viscous or viscous-spring boundary",
+        ),
+    ];
+    if let Some((_, what, way)) = present.into_iter().find(|(is, ..)| *is) {
+        return Err(with(what, way));
+    }
+    for (_, factory) in &spec.sets {
+        let options = factory.options();
+        if options.precision != Precision::F64 {
+            let what = format!("set '{}' in single or mixed precision", factory.label());
+            return Err(with(what, "take double precision"));
+        }
+        if options.damping.stiffness != 0.0 {
+            let what = format!("the stiffness damping of set '{}'", factory.label());
+            return Err(with(what, "take mass damping, or none"));
+        }
+    }
+    ordered(spec.mesh, delayed).map(Some)
+}
+
+/// The same pairs, each with its node of the smaller y first.
+fn ordered(mesh: &Mesh, delayed: &DelayedPairs) -> Result<DelayedPairs, EngineError> {
+    let (nodes, tags) = (mesh.positions(), mesh.node_tags());
+    let mut count = vec![0_usize; nodes.len()];
+    let mut expected: Option<Vec3> = None;
+    let mut pairs = Vec::with_capacity(delayed.pairs.len());
+    for &(a, b) in &delayed.pairs {
+        for node in [a, b] {
+            *(count.get_mut(node as usize)).ok_or_else(|| EngineError::UnknownNode {
+                part: "a delayed pair".into(),
+                node,
+                count: nodes.len(),
+            })? += 1;
+        }
+        let [at_a, at_b] = [a, b].map(|node| nodes[node as usize]);
+        let (low, high) = if at_a.y <= at_b.y { (a, b) } else { (b, a) };
+        let apart = nodes[high as usize] - nodes[low as usize];
+        let wanted = *expected.get_or_insert(Vec3::new(0.0, apart.y, 0.0));
+        let far = (apart - wanted).norm();
+        let fits = wanted.y > 0.0 && far <= TOLERANCE * wanted.y;
+        if !fits {
+            return Err(EngineError::DelayedPair {
+                first: tags[low as usize],
+                second: tags[high as usize],
+                expected: wanted.into(),
+            });
+        }
+        pairs.push((low, high));
+    }
+    match count.iter().position(|&count| count != 1) {
+        Some(node) => Err(EngineError::DelayedNode {
+            node: tags[node],
+            count: count[node],
+        }),
+        None => Ok(DelayedPairs {
+            pairs,
+            slowness: delayed.slowness,
+        }),
+    }
+}
+
+impl DelayedSlice {
+    /// The slice of ordered pairs, from the groups of a model, each of which has the two nodes of a pair.
+    pub(crate) fn new(
+        mesh: &Mesh,
+        delayed: &DelayedPairs,
+        groups: &[NodeGroup],
+        subdomain: &Subdomain,
+        blocks: &[Box<dyn ElementBlock>],
+    ) -> Result<Self, EngineError> {
+        let mesh_of = &subdomain.numbering.mesh_of;
+        let tag = |node: u32| mesh.node_tags()[mesh_of[node as usize] as usize];
+        let height = |node: u32| mesh.positions()[mesh_of[node as usize] as usize].y;
+        let mut sides = Vec::with_capacity(groups.len());
+        let mut place = vec![(u32::MAX, 0.0); subdomain.node_count()];
+        let mut held = Vec::with_capacity(groups.len());
+        let mut half = 0.0;
+        for (index, group) in (0..).zip(groups) {
+            let &[a, b] = &group.members[..] else {
+                return Err(EngineError::DelayedNode {
+                    node: tag(group.members[0]),
+                    count: group.members.len().saturating_sub(1),
+                });
+            };
+            let (low, high) = if height(a) < height(b) {
+                (a, b)
+            } else {
+                (b, a)
+            };
+            half = 0.5 * (height(high) - height(low));
+            sides.push([low, high]);
+            place[low as usize] = (index, 1.0);
+            place[high as usize] = (index, -1.0);
+            held.push(fixed_axes(group).ok_or_else(|| {
+                let what = format!("a roller at node {} along no coordinate axis", tag(low));
+                with(what, "take rollers normal to x, y or z")
+            })?);
+            let coupled = [(0, 1), (1, 2)]
+                .into_iter()
+                .any(|(i, j)| group.dashpot[(i, j)] != 0.0 || group.spring[(i, j)] != 0.0);
+            if coupled {
+                let what = format!("an impedance at node {} between y and x or z", tag(low));
+                return Err(with(what, "absorb at faces parallel to y alone"));
+            }
+        }
+        let slice = Self {
+            slowness: delayed.slowness,
+            half,
+            lumping: Lumping::new(blocks, subdomain, &place, half)?,
+            sides,
+            place,
+            mass: groups.iter().map(|group| group.mass).collect(),
+            bare: groups.iter().map(is_bare).collect(),
+            held,
+            motion: None,
+            work: DelayedWork::default(),
+        };
+        for (index, group) in groups.iter().enumerate() {
+            if group.mass <= 0.0 {
+                continue;
+            }
+            let left = slice.inertia(index) / group.mass;
+            if left.min().is_nan() || left.min() < LEAST_SHARE {
+                return Err(EngineError::DelayedMass {
+                    node: tag(slice.sides[index][0]),
+                    slowness: slice.slowness,
+                    share: left.min(),
+                    least: LEAST_SHARE,
+                });
+            }
+        }
+        Ok(slice)
+    }
+
+    /// Inertia of a group (kg) along each axis, `M - s^2 A`.
+    pub(crate) fn inertia(&self, group: usize) -> Vec3 {
+        let taken = self.lumping.rigidity(group) * (self.slowness * self.slowness);
+        Vec3::repeat(self.mass[group]) - taken
+    }
+}
+
+/// Whether a group has a mass and fixed directions alone.
+fn is_bare(group: &NodeGroup) -> bool {
+    let matrices = [&group.dashpot, &group.spring, &group.gyroscopic];
+    group.mass_damping == 0.0 && matrices.into_iter().all(|matrix| *matrix == Mat3::zeros())
+}
+
+/// The fixed axes of a group; none if a fixed direction is no coordinate axis.
+fn fixed_axes(group: &NodeGroup) -> Option<Axes> {
+    let mut held = [false; 3];
+    for direction in group.condition.directions() {
+        let axis = direction.iamax();
+        if direction.abs().sum() != direction[axis].abs() {
+            return None;
+        }
+        held[axis] = true;
+    }
+    Some(held)
+}

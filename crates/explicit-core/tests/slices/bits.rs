@@ -1,0 +1,263 @@
+//! Bits of slices: slowness zero, threads, resumed runs; refusals.
+
+use std::sync::{Arc, Mutex};
+
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
+use powerhouse_material_damage::LinearElastic;
+use powerhouse_model::{
+    AddedMass, BlockOptions, CheckpointSink, DelayedPairs, EnergyCheck, EngineError, Mat3, Mesh,
+    ModelError, ModelSpec, PeriodicPairs, Precision, Progress, Rayleigh, RunOptions, SavedRun,
+    StaticOptions, StepChoice, Support, TimeIntegrator, Vec3,
+};
+use powerhouse_wavefield::WaveKind;
+
+use super::{pairs, rock, slowness, spec, wave};
+
+const ANGLES: [f64; 2] = [25.0, 50.0];
+
+fn small() -> Mesh {
+    let (low, high) = (Vec3::new(-60.0, -2.0, -60.0), Vec3::new(60.0, 2.0, 0.0));
+    Mesh::box_of_hexes(low, high, [12, 1, 6], "rock").unwrap()
+}
+
+fn motion(model: &Model) -> Vec<[u64; 6]> {
+    let nodes = 0..model.mesh().node_count() as u32;
+    let of = |node: u32| {
+        let (u, v) = (model.displacement(node), model.velocity(node));
+        [u.x, u.y, u.z, v.x, v.y, v.z].map(f64::to_bits)
+    };
+    nodes.map(of).collect()
+}
+
+/// At slowness zero delayed pairs are periodic ones, to the bit.
+#[test]
+fn pairs_without_delay_are_periodic() {
+    let mesh = small();
+    let angles = [25.0, 0.0];
+    let field = wave(WaveKind::SV, angles, (8.0, 0.2));
+    let run_of = |spec: ModelSpec| {
+        let mut model = spec.build().unwrap();
+        for _ in 0..200 {
+            Leapfrog.step(&mut model, 5e-4).unwrap();
+        }
+        motion(&model)
+    };
+    let delayed = spec(
+        &mesh,
+        SolidKernel::Hex8Natural,
+        &field,
+        slowness(WaveKind::SV, angles),
+    );
+    let delayed = run_of(delayed.unwrap());
+    let mut tied = spec(&mesh, SolidKernel::Hex8Natural, &field, 0.0).unwrap();
+    tied.delayed = None;
+    let pairs = pairs(&mesh);
+    let tied = run_of(tied.periodic(PeriodicPairs { pairs }));
+    assert_eq!(delayed, tied);
+    assert!(tied.iter().flatten().any(|bits| *bits != 0));
+}
+
+/// With a slowness that goes to zero the motion goes to that of the plain slice.
+#[test]
+fn a_small_delay_changes_little() {
+    let mesh = small();
+    let field = wave(WaveKind::SV, [25.0, 0.0], (8.0, 0.2));
+    let moved = |slowness: f64| {
+        let mut model = spec(&mesh, SolidKernel::Hex8Full, &field, slowness)
+            .unwrap()
+            .build()
+            .unwrap();
+        for _ in 0..600 {
+            Leapfrog.step(&mut model, 5e-4).unwrap();
+        }
+        let all = 0..mesh.node_count() as u32;
+        all.map(|node| model.displacement(node))
+            .collect::<Vec<Vec3>>()
+    };
+    let plain = moved(0.0);
+    let size = plain.iter().map(|u| u.norm()).fold(0.0, f64::max);
+    let apart = |other: &[Vec3]| {
+        let differences = plain.iter().zip(other).map(|(a, b)| (a - b).norm());
+        differences.fold(0.0, f64::max) / size
+    };
+    let [first, second] = [1e-6, 1e-7].map(|s| apart(&moved(s)));
+    assert!(
+        first < 1e-2 && second < 0.2 * first && second > 0.0,
+        "{first:e} {second:e}"
+    );
+}
+
+/// Results do not depend on the number of threads.
+#[test]
+fn threads_change_no_bit_of_a_slice() {
+    let mesh = small();
+    let field = wave(WaveKind::P, [40.0, 60.0], (8.0, 0.2));
+    let of = |threads: usize| {
+        let slowness = slowness(WaveKind::P, [40.0, 60.0]);
+        let spec = spec(&mesh, SolidKernel::Hex8Eas, &field, slowness).unwrap();
+        let mut model = spec.threads(threads).block_size(17).build().unwrap();
+        let options = RunOptions::steps(150).with_energy(EnergyCheck::every(20));
+        let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+        (motion(&model), report.energies)
+    };
+    assert_eq!(of(1), of(3));
+}
+
+/// Keeps the state of a run after some steps.
+#[derive(Debug)]
+struct At(u64, Mutex<Option<SavedRun>>);
+
+impl CheckpointSink for At {
+    fn is_due(&self, progress: &Progress) -> bool {
+        progress.done == self.0
+    }
+    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
+        *self.1.lock().unwrap() = Some(saved);
+        Ok(())
+    }
+}
+
+/// A resumed run ends with the same bits, energies included.
+#[test]
+fn a_resumed_slice_has_the_same_bits() {
+    let mesh = small();
+    let field = wave(WaveKind::SV, ANGLES, (8.0, 0.2));
+    let build = || {
+        let slowness = slowness(WaveKind::SV, ANGLES);
+        let spec = spec(&mesh, SolidKernel::Hex8Full, &field, slowness).unwrap();
+        spec.build().unwrap()
+    };
+    let options = || {
+        let options = RunOptions::steps(140).with_energy(EnergyCheck::every(10));
+        options.with_step(StepChoice::Fixed(1e-3))
+    };
+    let sink = Arc::new(At(73, Mutex::default()));
+    let mut whole = build();
+    let kept = options().with_checkpoints(sink.clone());
+    let first = run(&mut whole, &Leapfrog, &kept, &mut [], &mut |_| {}).unwrap();
+    let saved = sink.1.lock().unwrap().take().unwrap();
+    let mut rest = build();
+    let resumed = options().with_resume(Arc::new(saved));
+    let second = run(&mut rest, &Leapfrog, &resumed, &mut [], &mut |_| {}).unwrap();
+    assert_eq!(motion(&whole), motion(&rest));
+    assert_eq!(first.energies, second.energies);
+    assert_eq!(
+        first.energy_residual.to_bits(),
+        second.energy_residual.to_bits()
+    );
+}
+
+/// A slice that was brought into equilibrium under its weight stays still when it may move.
+#[test]
+fn a_slice_in_equilibrium_stays_still() {
+    let mesh = small();
+    let law = LinearElastic::new(rock());
+    let build = |moves: bool| {
+        let factory = SolidKernel::Hex8Natural.factory("rock", law, BlockOptions::default());
+        let bottom = mesh.nodes_of_facets(mesh.facet_set("bottom").unwrap());
+        let spec = Model::builder(&mesh)
+            .elements("rock", factory)
+            .gravity(Vec3::new(0.0, 0.0, -9.81), Box::new(|_: f64| 1.0))
+            .support(Support::fixed(bottom));
+        let (pairs, slowness) = (pairs(&mesh), 0.7 / rock().p_speed());
+        match moves {
+            true => spec.delayed(DelayedPairs { pairs, slowness }),
+            false => spec.periodic(PeriodicPairs { pairs }),
+        }
+    };
+    let mut resting = build(false).build().unwrap();
+    let options = StaticOptions {
+        tolerance: 1e-12,
+        ..StaticOptions::default()
+    };
+    resting.equilibrate(&options, &mut |_| {}).unwrap();
+    let state = resting.state();
+    let settled = (state.displacement.iter().map(|u| u.norm())).fold(0.0, f64::max);
+    let mut model = build(true).start(state.clone()).build().unwrap();
+    for _ in 0..400 {
+        Leapfrog.step(&mut model, 1e-3).unwrap();
+    }
+    let moved = (0..mesh.node_count() as u32)
+        .map(|node| (model.displacement(node) - state.displacement[node as usize]).norm());
+    let moved = moved.fold(0.0, f64::max);
+    assert!(
+        settled > 1e-5 && moved < 1e-8 * settled,
+        "{moved:e} of {settled:e}"
+    );
+}
+
+/// The refusal of a specification.
+fn refused(spec: ModelSpec) -> String {
+    spec.build().unwrap_err().to_string()
+}
+
+/// What a slice does not take is refused by name.
+#[test]
+fn a_slice_refuses_what_it_does_not_take() {
+    let mesh = small();
+    let field = wave(WaveKind::SV, ANGLES, (8.0, 0.2));
+    let own = slowness(WaveKind::SV, ANGLES);
+    let spec = || spec(&mesh, SolidKernel::Hex8Full, &field, own).unwrap();
+    let pairs = pairs(&mesh);
+    let with = |changed: Vec<(u32, u32)>, slowness: f64| {
+        spec().delayed(DelayedPairs {
+            pairs: changed,
+            slowness,
+        })
+    };
+    let mut fewer = pairs.clone();
+    fewer.pop();
+    assert!(refused(with(fewer, own)).contains("in 0 delayed pairs"));
+    let mut crossed = pairs.clone();
+    (crossed[0].1, crossed[1].1) = (crossed[1].1, crossed[0].1);
+    assert!(refused(with(crossed, own)).contains("not apart by (0, 4, 0) m"));
+    assert!(refused(with(pairs.clone(), f64::NAN)).contains("must be finite"));
+    let fast = refused(with(pairs.clone(), 0.999 / rock().p_speed()));
+    assert!(fast.contains("share of the mass"), "{fast}");
+    let past = super::spec(
+        &mesh,
+        SolidKernel::Hex8Full,
+        &field,
+        1.01 / rock().p_speed(),
+    );
+    assert!(past.err().unwrap().to_string().contains("no P wave leaves"));
+    let oblique = Support::roller(vec![pairs[0].0], Vec3::new(1.0, 0.0, 1.0));
+    assert!(refused(spec().support(oblique)).contains("along no coordinate axis"));
+    let periodic = PeriodicPairs {
+        pairs: vec![pairs[0]],
+    };
+    assert!(refused(spec().periodic(periodic)).contains("other periodic pairs"));
+    let mass = AddedMass::new(pairs[0].0, Mat3::identity());
+    assert!(refused(spec().added_masses([mass])).contains("added masses"));
+    let damping = Rayleigh {
+        mass: 0.0,
+        stiffness: 1e-4,
+    };
+    let mut damped = BlockOptions::default();
+    damped.damping = damping;
+    let mut mixed = BlockOptions::default();
+    mixed.precision = Precision::Mixed;
+    for (options, message) in [
+        (damped, "stiffness damping of set 'rock'"),
+        (mixed, "single or mixed precision"),
+    ] {
+        let law = LinearElastic::new(rock());
+        let mut spec = spec();
+        spec.sets.clear();
+        let spec = spec.elements("rock", SolidKernel::Hex8Full.factory("rock", law, options));
+        let found = refused(spec);
+        assert!(found.contains(message), "{found}");
+    }
+    let plain = spec();
+    let mut plain = plain;
+    plain.delayed = None;
+    let found = plain.build().unwrap_err();
+    let ModelError::Refused { source, .. } = &found else {
+        panic!("{found}");
+    };
+    assert!(
+        matches!(source.downcast_ref(), Some(EngineError::Gyroscopic { .. })),
+        "{found}"
+    );
+}

@@ -1,0 +1,296 @@
+//! Cavities and lined tunnels along y under waves of any azimuth against closed forms.
+
+use core::f64::consts::TAU;
+use std::path::Path;
+use std::sync::Arc;
+
+use powerhouse_boundary::{Spreading, ViscousSpring};
+use powerhouse_elements::SolidKernel;
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model};
+use powerhouse_material_damage::LinearElastic;
+use powerhouse_model::{
+    AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, ElasticMedium, ElementKind, Mesh,
+    TimeIntegrator, Vec3,
+};
+use powerhouse_wavefield::{
+    Angle, InputConvention, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, Site, WaveKind,
+};
+
+use super::{pairs, rock, slowness};
+
+/// Radius of the cavity (m).
+const RADIUS: f64 = 5.0;
+
+/// A table of `data/reference`: rows of numbers under names.
+struct Table {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    fn read(name: &str) -> Self {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/reference");
+        let text = std::fs::read_to_string(root.join(name)).unwrap();
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let names = lines
+            .next()
+            .unwrap()
+            .split(',')
+            .map(str::to_owned)
+            .collect();
+        let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect();
+        Self {
+            names,
+            rows: lines.map(numbers).collect(),
+        }
+    }
+    /// The value of a column at a time (s), between the samples by cubic interpolation; zero before the first one.
+    fn at(&self, column: usize, time: f64) -> f64 {
+        let (first, interval) = (self.rows[0][0], self.rows[1][0] - self.rows[0][0]);
+        let place = (time - first) / interval;
+        let index = place.floor();
+        let x = place - index;
+        let value = |offset: f64| {
+            let row = index + offset;
+            let inside = row >= 0.0 && (row as usize) < self.rows.len();
+            if inside {
+                self.rows[row as usize][column]
+            } else {
+                0.0
+            }
+        };
+        let [a, b, c, d] = [-1.0, 0.0, 1.0, 2.0].map(value);
+        b + 0.5 * x * (c - a + x * (2.0 * a - 5.0 * b + 4.0 * c - d + x * (3.0 * (b - c) + d - a)))
+    }
+    fn column(&self, name: &str) -> usize {
+        self.names.iter().position(|own| own == name).unwrap()
+    }
+}
+
+/// A square of a half width (m) around a circular hole, one element thick: bricks between rings of some radii, which go over into
+/// the square beyond the radius of the cavity. Elements within it are `lining`.
+fn around_a_hole(rings: &[f64], half: f64, round: usize, outward: usize) -> Mesh {
+    let mut builder = Mesh::builder();
+    let layers = rings.len() + outward;
+    let growth = {
+        // The first edge outwards is as long as those along the wall.
+        let (first, whole) = (TAU * RADIUS / round as f64, half - RADIUS);
+        let sum = |q: f64| (0..outward).map(|k| q.powi(k as i32)).sum::<f64>() * first;
+        let (mut low, mut high) = (1.0, 2.0);
+        for _ in 0..60 {
+            let q = 0.5 * (low + high);
+            if sum(q) < whole { low = q } else { high = q }
+        }
+        low
+    };
+    let share = |k: usize| {
+        let sum = |n: usize| (0..n).map(|k| growth.powi(k as i32)).sum::<f64>();
+        sum(k) / sum(outward)
+    };
+    let thickness = 0.1;
+    let tag = |ring: usize, place: usize, side: usize| {
+        (1 + side + 2 * (place % round + round * ring)) as u64
+    };
+    for ring in 0..layers {
+        for place in 0..round {
+            let angle = TAU * place as f64 / round as f64;
+            let (sine, cosine) = angle.sin_cos();
+            let on_square = half / sine.abs().max(cosine.abs());
+            let radius = match rings.get(ring) {
+                Some(radius) => *radius,
+                None => {
+                    let share = share(ring + 1 - rings.len());
+                    RADIUS + share * (on_square - RADIUS)
+                }
+            };
+            for side in 0..2 {
+                let y = thickness * (side as f64 - 0.5);
+                let at = Vec3::new(radius * cosine, y, radius * sine);
+                builder.node(tag(ring, place, side), at);
+            }
+        }
+    }
+    let mut number = 0;
+    for ring in 0..layers - 1 {
+        for place in 0..round {
+            number += 1;
+            let corners = |side| {
+                [
+                    tag(ring, place, side),
+                    tag(ring + 1, place, side),
+                    tag(ring + 1, place + 1, side),
+                    tag(ring, place + 1, side),
+                ]
+            };
+            let inside = rings.get(ring + 1).is_some();
+            let set = if inside { "lining" } else { "rock" };
+            // From the back to the front the corners turn to the right.
+            let nodes = [corners(1), corners(0)].concat();
+            builder.element(number, ElementKind::Hex8, &nodes, &[set]);
+            builder.facet("front", &corners(0));
+            builder.facet("back", &corners(1));
+            if ring + 2 == layers {
+                let [outer, next] = [place, place + 1].map(|p| [0, 1].map(|s| tag(ring + 1, p, s)));
+                builder.facet("outer", &[outer[0], outer[1], next[1], next[0]]);
+            }
+        }
+    }
+    builder.build().unwrap()
+}
+
+/// A wave in a full space, whose pulse of the displacement (1 m) passes the axis at time zero.
+fn full_space(kind: WaveKind, [incidence, azimuth]: [f64; 2], frequency: f64) -> PlaneWave {
+    let pulse = Ricker::new(RickerQuantity::Displacement, 1.0, frequency, 0.0).unwrap();
+    let parameters = PlaneWaveParameters {
+        kind,
+        incidence: Angle::from_degrees(incidence),
+        azimuth: Angle::from_degrees(azimuth),
+        medium: rock(),
+        site: Site::FullSpace,
+        reference: Vec3::zeros(),
+        arrival: 0.0,
+        convention: InputConvention::Incident,
+    };
+    PlaneWave::new(parameters, Arc::new(pulse)).unwrap()
+}
+
+fn concrete() -> ElasticMedium {
+    ElasticMedium::new(30.0e9, 0.2, 2500.0).unwrap()
+}
+
+/// The slice around a hole, at a time (s) before the wave.
+fn model(mesh: &Mesh, field: &PlaneWave, slowness: f64, start: f64) -> Model {
+    let faces = [("outer", mesh.facet_set("outer").unwrap())];
+    let site = BoundarySite::from_mesh(mesh, &faces, |_| rock(), Vec3::zeros(), Some(field));
+    let boundary = ViscousSpring {
+        spreading: Spreading::Cylindrical,
+        ..ViscousSpring::default()
+    };
+    let kernel = SolidKernel::Hex8Full;
+    let factory = |set: &str, medium| {
+        kernel.factory(set, LinearElastic::new(medium), BlockOptions::default())
+    };
+    let mut spec = Model::builder(mesh)
+        .elements("rock", factory("rock", rock()))
+        .boundary(boundary.build(&site.with_slowness(slowness)).unwrap())
+        .delayed(DelayedPairs {
+            pairs: pairs(mesh),
+            slowness,
+        });
+    if mesh.element_set("lining").is_ok() {
+        spec = spec.elements("lining", factory("lining", concrete()));
+    }
+    let mut state = powerhouse_model::State::at_rest(mesh.node_count());
+    state.time = start;
+    spec.start(state).build().unwrap()
+}
+
+/// Error of the displacements at eight points of the wall of a cavity over a table in time, as a share of their norm.
+fn cavity(
+    (kind, angles, name): (WaveKind, [f64; 2], &str),
+    (radii, round, outward): (f64, usize, usize),
+) -> f64 {
+    let table = Table::read(name);
+    let mesh = around_a_hole(&[RADIUS], radii * RADIUS, round, outward);
+    let field = full_space(kind, angles, 40.0);
+    // The wave is at the corner of the box this long before it is at the axis.
+    let start = -0.05 - 1.5 * radii * RADIUS / kind.speed(&rock());
+    let mut model = model(&mesh, &field, slowness(kind, angles), start);
+    let step = model.stable_step(&Leapfrog).unwrap().step;
+    let wall: Vec<(u32, u32)> = (0..8)
+        .map(|k| {
+            let first = 2 * (k * round / 8) as u32;
+            (first, first + 1)
+        })
+        .collect();
+    let end = table.rows[table.rows.len() - 3][0];
+    let (mut missed, mut all) = (0.0, 0.0);
+    while model.time() < end {
+        Leapfrog.step(&mut model, step).unwrap();
+        if model.time() < table.rows[2][0] {
+            continue;
+        }
+        for (k, &(a, b)) in wall.iter().enumerate() {
+            let found = (model.displacement(a) + model.displacement(b)) * 0.5;
+            for c in 0..3 {
+                let exact = table.at(1 + 3 * k + c, model.time());
+                missed += (found[c] - exact).powi(2);
+                all += exact * exact;
+            }
+        }
+    }
+    (missed / all).sqrt()
+}
+
+const SV25: (WaveKind, [f64; 2], &str) =
+    (WaveKind::SV, [25.0, 50.0], "cavity_azimuth_sv25_az50.csv");
+const SV30: (WaveKind, [f64; 2], &str) =
+    (WaveKind::SV, [30.0, 90.0], "cavity_azimuth_sv30_az90.csv");
+const P70: (WaveKind, [f64; 2], &str) = (WaveKind::P, [70.0, 90.0], "cavity_azimuth_p70_az90.csv");
+
+/// The wall of a cavity in a box of 4 radii moves as in the closed form, at a slowness of 0.94 of that of P waves. Another
+/// implementation errs by 5.1 % with dashpots matched to the slowness, and by 18.5 % with those of vertical waves.
+#[test]
+fn the_wall_of_a_cavity_moves_as_the_closed_form_says() {
+    let found = cavity(P70, (4.0, 48, 18));
+    println!("P70: {found:.4}");
+    assert!(found < 1.2 * 0.051, "{found:.4}");
+}
+
+/// Three waves in a box of 8 radii with 96 elements round, within 4.5 %, and 2.6 % for P at 70 degrees. Five minutes:
+/// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
+#[test]
+#[ignore = "five minutes"]
+fn walls_of_cavities_in_large_boxes_move_as_the_closed_form_says() {
+    for (case, most) in [(SV25, 0.045), (SV30, 0.045), (P70, 0.026)] {
+        let found = cavity(case, (8.0, 96, 44));
+        println!("{}: {found:.4}", case.2);
+        assert!(found < most, "{}: {found:.4}", case.2);
+    }
+}
+
+/// The axial stress in the middle of a concrete ring errs by no more than 1.5 % of the norm over its circumference where its P
+/// waves are at 0.825 of the speed along y. Ten minutes:
+/// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
+#[test]
+#[ignore = "ten minutes"]
+fn a_ring_has_the_axial_stress_of_the_closed_form() {
+    let (kind, angles) = (WaveKind::SV, [15.0, 90.0]);
+    let table = Table::read("lined_azimuth_sv15_az90.csv");
+    let round = 96;
+    let mesh = around_a_hole(&[4.5, 4.75, 5.0], 8.0 * RADIUS, round, 44);
+    let field = full_space(kind, angles, 25.0);
+    let start = -0.07 - 1.5 * 8.0 * RADIUS / kind.speed(&rock());
+    let mut model = model(&mesh, &field, slowness(kind, angles), start);
+    let step = model.stable_step(&Leapfrog).unwrap().step;
+    let columns: Vec<[usize; 2]> = (0..8)
+        .map(|k| ["i", "o"].map(|side| table.column(&format!("yy_{side}@{}", 45 * k))))
+        .collect();
+    let end = table.rows[table.rows.len() - 3][0];
+    let (mut missed, mut all, mut count) = (0.0, 0.0, 0);
+    while model.time() < end {
+        Leapfrog.step(&mut model, step).unwrap();
+        count += 1;
+        if model.time() < table.rows[2][0] || count % 20 != 0 {
+            continue;
+        }
+        let stresses = model.stress_changes();
+        for (k, columns) in columns.iter().enumerate() {
+            // Two rings of elements, and the two elements beside the point.
+            let place = k * round / 8;
+            let beside = [(place + round - 1) % round, place];
+            let elements = beside.iter().flat_map(|&e| [e, e + round]);
+            let found = elements.map(|e| stresses[e].0[1]).sum::<f64>() / 4.0;
+            let exact = columns
+                .map(|c| table.at(c, model.time()))
+                .iter()
+                .sum::<f64>()
+                / 2.0;
+            missed += (found - exact).powi(2);
+            all += exact * exact;
+        }
+    }
+    let found = (missed / all).sqrt();
+    println!("axial stress: {found:.4}");
+    assert!(found < 0.015, "{found:.4}");
+}

@@ -1,0 +1,19 @@
+//! Delayed pairs of nodes: the two sides of a slice under waves of any azimuth.
+
+/// Delayed pairs: nodes of the two sides of a slice along y, of which the side of larger y moves as the other one does, but later.
+///
+/// A body that does not change along y under a wave `u_f(x, z, t - s y)` moves by `u = U(x, z, t - s y)`, whatever its
+/// laws: a shift of the body along y by `d` and in time by `s d` leaves the problem as it is. One slice therefore has
+/// the motion of the whole body. Its nodes are at `y -+ h/2` with the displacement `U +- (s h / 2) dU/dt`, so that
+/// strains have their part `-s dU/dt` along y; a body of which all nodes are in such pairs is integrated by an
+/// [engine](crate::Engine) in the momentum `rho dU/dt + s (s_xy, s_yy, s_yz)`.
+///
+/// In static solutions the nodes of a pair have one motion, as those of [`PeriodicPairs`](crate::PeriodicPairs) do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DelayedPairs {
+    /// The node pairs, by mesh index, in any order of their two nodes.
+    pub pairs: Vec<(u32, u32)>,
+    /// Slowness `s` along y of all motion (s/m), `sin(incidence) sin(azimuth) / c`; negative for waves against y. At
+    /// zero the pairs are periodic.
+    pub slowness: f64,
+}

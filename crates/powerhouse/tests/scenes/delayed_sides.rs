@@ -1,0 +1,203 @@
+//! Slices with delayed sides, under waves of any azimuth.
+
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{FieldMotion, Mesh, Vec3};
+use powerhouse::{Error, FileScene, Registry, Results, RunHooks};
+
+use super::support::Folder;
+
+/// A slice of ground, 4 m thick, under an SV wave at an azimuth of 60 degrees.
+const GROUND: &str = r#"
+title = "slice"
+mesh = { file = "slice.msh" }
+support = [{ kind = "delayed", from = "front", to = "back" }]
+[[material]]
+name = "granite"
+law = "elastic"
+young = 9.0e9
+poisson = 0.27
+density = 2750
+[[part]]
+set = "rock"
+material = "granite"
+kernel = "hex8-full"
+[[wave]]
+kind = "sv"
+incidence = 25
+azimuth = 60
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.4 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "bottom"]
+scatterer = [0, 0, -50]
+spreading = "cylindrical"
+[time]
+duration = 0.7
+[output]
+every = 0.01
+energies = 0.05
+[[output.history]]
+name = "back"
+at = [0, 2, 0]
+"#;
+
+fn scene(text: &str) -> Result<FileScene, Error> {
+    let folder = Folder::new("delayed-sides");
+    let (low, high) = (Vec3::new(-100.0, -2.0, -100.0), Vec3::new(100.0, 2.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [20, 1, 10], "rock").unwrap();
+    write_gmsh(folder.join("slice.msh"), &mesh).unwrap();
+    FileScene::from_toml(
+        text.to_owned(),
+        folder.join("slice.toml"),
+        &Registry::default(),
+    )
+}
+
+fn run(text: &str) -> Results {
+    let scene = scene(text).unwrap().into_scene();
+    scene.prepare().unwrap().run(RunHooks::default()).unwrap()
+}
+
+/// The back of the slice has the motion of the free field there and then, and the energy balance closes.
+#[test]
+fn the_back_moves_as_the_ground_there() {
+    let field = scene(GROUND).unwrap().into_scene().field().unwrap().clone();
+    let simulation = scene(GROUND).unwrap().into_scene().prepare().unwrap();
+    let warnings = simulation
+        .remarks()
+        .iter()
+        .filter(|remark| remark.is_warning());
+    assert_eq!(
+        warnings.map(|w| w.to_string()).collect::<Vec<_>>(),
+        Vec::<String>::new()
+    );
+    let results = run(GROUND);
+    let sampler = field.prepare(&[Vec3::new(0.0, 2.0, 0.0)]).unwrap();
+    let table = &results.histories;
+    let (mut missed, mut all) = (0.0, 0.0);
+    for (row, &time) in table.times.iter().enumerate() {
+        let mut motion = [FieldMotion::default()];
+        sampler.add_motion(time, &mut motion);
+        for (c, name) in ["back.ux", "back.uy", "back.uz"].iter().enumerate() {
+            let found = table.column(name).unwrap().values[row];
+            missed += (found - motion[0].displacement[c]).powi(2);
+            all += motion[0].displacement[c].powi(2);
+        }
+    }
+    let error = f64::sqrt(missed / all);
+    assert!(all > 1e-4 && error < 5e-3, "{error:e}");
+    assert!(
+        results.run.energy_residual < 1e-11,
+        "{:e}",
+        results.run.energy_residual
+    );
+    let delay = results
+        .run
+        .energies
+        .iter()
+        .find(|(name, _)| *name == "delay");
+    assert!(delay.is_some());
+}
+
+/// P and SV waves of one slowness along y are accepted; waves along x need no delay.
+#[test]
+fn waves_of_one_slowness_add_up() {
+    let speeds = powerhouse::model::ElasticMedium::new(9.0e9, 0.27, 2750.0).unwrap();
+    let ratio = speeds.p_speed() / speeds.s_speed();
+    let other = (25f64.to_radians().sin() * ratio).asin().to_degrees();
+    let second = format!(
+        "[[wave]]\nkind = \"p\"\nincidence = {other}\nazimuth = 60\npulse = {{ kind = \"smooth\", displacement = 0.01, duration = 0.4 }}\n[boundary]"
+    );
+    let both = GROUND.replacen("[boundary]", &second, 1);
+    let scene_of = |text: &str| scene(text).unwrap().into_scene();
+    scene_of(&both).prepare().unwrap();
+    assert!(scene_of(&both).slowness_along_y() > 1e-4);
+    let across = GROUND.replacen("azimuth = 60", "azimuth = 0", 1);
+    assert_eq!(scene_of(&across).slowness_along_y(), 0.0);
+    scene_of(&across).prepare().unwrap();
+}
+
+/// What such slices do not take is refused with its name and a way out.
+#[test]
+fn what_a_slice_does_not_take_is_refused() {
+    let wave = "[[wave]]\nkind = \"p\"\nincidence = 25\nazimuth = 60\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }\n[boundary]";
+    let delayed = "{ kind = \"delayed\", from = \"front\", to = \"back\" }";
+    let twice = format!("{delayed}, {delayed}");
+    let roller = format!("{delayed}, {{ kind = \"roller\", set = \"front\" }}");
+    let periodic = format!("{delayed}, {{ kind = \"periodic\", from = \"left\", to = \"right\" }}");
+    let cases = [
+        ("[boundary]", wave, "one slowness along y", "sin(i_p)/c_p"),
+        (
+            "incidence = 25\nazimuth = 60",
+            "incidence = 40\nazimuth = 20",
+            "past the critical angle",
+            "34.",
+        ),
+        (
+            "kind = \"sv\"\nincidence = 25\nazimuth = 60",
+            "kind = \"p\"\nincidence = 85\nazimuth = 90",
+            "part 'rock' travel at 2022 m/s",
+            "at most 83.7 degrees",
+        ),
+        (delayed, &twice, "one pair of delayed sides", ""),
+        (
+            delayed,
+            &roller,
+            "supports along y",
+            "need no other support",
+        ),
+        (
+            delayed,
+            &periodic,
+            "periodic pairs beside them",
+            "absorb at the sides",
+        ),
+        (
+            "[time]",
+            "[time]\ninitial = \"field\"",
+            "the motion of the field at the start",
+            "start at rest",
+        ),
+        (
+            "mesh = {",
+            "precision = \"mixed\"\nmesh = {",
+            "single or mixed precision",
+            "double precision",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "kernel = \"hex8-full\"\ndamping = { kind = \"high\", ratio = 0.05 }",
+            "stiffness damping of part 'rock'",
+            "proportional to mass",
+        ),
+        (
+            "[time]",
+            "[[load]]\nkind = \"gravity\"\nfunction = { kind = \"table\", times = [0, 1], values = [0, 1] }\n[time]",
+            "loads that change in time",
+            "whole length",
+        ),
+        (
+            "kind = \"viscous-spring\"",
+            "through = [\"rock\"]\nkind = \"viscous-spring\"",
+            "`through` its faces",
+            "end it before",
+        ),
+    ];
+    for (from, to, message, way) in cases {
+        assert!(GROUND.contains(from), "{from}");
+        let text = GROUND.replacen(from, to, 1);
+        let refused = match scene(&text) {
+            Err(error) => error,
+            Ok(scene) => scene
+                .into_scene()
+                .prepare()
+                .err()
+                .unwrap_or_else(|| panic!("{to}")),
+        };
+        let refused = refused.to_string();
+        assert!(
+            refused.contains(message) && refused.contains(way),
+            "{to}: {refused}"
+        );
+    }
+}

@@ -1,0 +1,304 @@
+//! Slices whose sides are delayed against each other: a long structure along y under waves of any azimuth.
+
+use powerhouse_model::{PeriodicPairs, Vec3};
+use powerhouse_wavefield::PlaneWave;
+use thiserror::Error;
+
+use crate::{Error, InitialMotion, Scene};
+use powerhouse_laws::Damping;
+
+/// Largest product of the slowness along y and the speed of P waves of a part: of the ground, up to which plane waves are
+/// exact to the discretisation, and of a structure in it.
+const MOST_IN_GROUND: f64 = 0.99;
+const MOST_IN_STRUCTURE: f64 = 0.95;
+/// Difference of the slownesses of two waves, over the larger one, that rounding of angles explains.
+const SAME: f64 = 1e-6;
+/// Slowness along y, over that of the wave, below which it travels across y: rounding.
+const ACROSS: f64 = 1e-12;
+
+/// Why a slice with delayed sides is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DelayedError {
+    /// Several slices.
+    #[error("a scene has one pair of delayed sides, and this is another one")]
+    Twice,
+    /// A field that is no sum of plane waves in one half-space.
+    #[error(
+        "delayed sides need plane waves in homogeneous ground (`[[wave]]` without `[[layer]]`), and the field '{field}' is none: take rollers or periodic pairs for waves across the axis, or a body with its whole length"
+    )]
+    OtherField {
+        /// Name of the field.
+        field: String,
+    },
+    /// Waves with different slownesses along y.
+    #[error(
+        "all waves of a slice have one slowness along y, and those of '{first}' and '{second}' are {:.4e} and {:.4e} s/m: give P, SV and SH of one station the same azimuth, and incidences with sin(i_p)/c_p = sin(i_s)/c_s", slownesses[0], slownesses[1]
+    )]
+    Slownesses {
+        /// Name of the first wave.
+        first: String,
+        /// Name of the other one.
+        second: String,
+        /// Their slownesses along y (s/m).
+        slownesses: [f64; 2],
+    },
+    /// A wave past the critical angle.
+    #[error(
+        "wave '{wave}' is past the critical angle: delayed sides take waves below it, of at most {largest:.1} degrees"
+    )]
+    PastCritical {
+        /// Name of the wave.
+        wave: String,
+        /// Critical angle (degrees).
+        largest: f64,
+    },
+    /// A part in which P waves are faster than the motion along y.
+    #[error(
+        "P waves of part '{set}' travel at {speed:.0} m/s, and the motion along y at {apparent:.0} m/s: the ratio {ratio:.3} must be below {most}; {way}"
+    )]
+    Fast {
+        /// Element set of the part.
+        set: String,
+        /// Speed of its P waves (m/s).
+        speed: f64,
+        /// Apparent speed of the waves along y (m/s).
+        apparent: f64,
+        /// Their ratio (1).
+        ratio: f64,
+        /// Its bound (1).
+        most: f64,
+        /// The largest incidence, in words.
+        way: String,
+    },
+    /// Something that a slice with delayed sides does not take.
+    #[error("a slice with delayed sides does not take {what}: {way}")]
+    With {
+        /// What it does not take.
+        what: String,
+        /// The way out.
+        way: &'static str,
+    },
+}
+
+fn with(what: impl Into<String>, way: &'static str) -> DelayedError {
+    DelayedError::With {
+        what: what.into(),
+        way,
+    }
+}
+
+/// Slowness of a wave along y (s/m), zero for a wave across it.
+fn along_y(wave: &PlaneWave) -> f64 {
+    let slowness = wave.parameters().slowness();
+    match slowness.y.abs() > ACROSS * slowness.norm() {
+        true => slowness.y,
+        false => 0.0,
+    }
+}
+
+impl Scene {
+    /// Makes the body a slice of a long structure along y under waves of any azimuth: pairs of all nodes of its two sides,
+    /// of which the side of larger y moves later. In construction stages they move as one.
+    #[must_use]
+    pub fn with_delayed_sides(mut self, pairs: PeriodicPairs) -> Self {
+        self.delayed = Some(pairs);
+        self
+    }
+
+    /// Pairs of nodes of the sides of a slice under waves of any azimuth; none for any other body.
+    pub fn delayed_sides(&self) -> Option<&PeriodicPairs> {
+        self.delayed.as_ref()
+    }
+
+    /// All pairs of nodes on opposite faces: periodic ones, and those of delayed sides.
+    pub(crate) fn all_pairs(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let all = self.periodic.iter().chain(&self.delayed);
+        all.flat_map(|pairs| pairs.pairs.iter().copied())
+    }
+
+    /// Slowness along y (s/m) of the motion of a slice with delayed sides, zero for any other body.
+    pub fn slowness_along_y(&self) -> f64 {
+        let first = self.waves.first().filter(|_| self.delayed.is_some());
+        first.map_or(0.0, along_y)
+    }
+
+    /// Refuses what a slice with delayed sides does not take.
+    pub(super) fn check_delayed(&self) -> Result<(), Error> {
+        if self.delayed.is_none() {
+            return Ok(());
+        }
+        self.check_waves_of_slice()?;
+        if self.slowness_along_y() == 0.0 {
+            // Sides that move at the same time are periodic.
+            return Ok(());
+        }
+        self.check_speeds_of_slice()?;
+        self.check_parts_of_slice()?;
+        self.check_company_of_slice()?;
+        Ok(())
+    }
+
+    fn check_waves_of_slice(&self) -> Result<(), DelayedError> {
+        if let (Some(field), []) = (&self.field, &self.waves[..]) {
+            return Err(DelayedError::OtherField {
+                field: field.name().into(),
+            });
+        }
+        let name = |wave: &PlaneWave| powerhouse_model::IncidentField::name(wave).to_owned();
+        for wave in &self.waves {
+            let (first, own) = (self.slowness_along_y(), along_y(wave));
+            if (own - first).abs() > SAME * first.abs().max(own.abs()) {
+                return Err(DelayedError::Slownesses {
+                    first: name(&self.waves[0]),
+                    second: name(wave),
+                    slownesses: [first, own],
+                });
+            }
+            if own != 0.0 && !wave.is_causal() {
+                let medium = wave.parameters().medium;
+                let critical = (medium.s_speed() / medium.p_speed()).asin();
+                return Err(DelayedError::PastCritical {
+                    wave: name(wave),
+                    largest: critical.to_degrees(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses parts whose P waves are faster than the motion along y.
+    fn check_speeds_of_slice(&self) -> Result<(), Error> {
+        let slowness = self.slowness_along_y().abs();
+        let ground = self.parts_behind_boundary()?;
+        for (index, part) in self.parts.iter().enumerate() {
+            let most = match ground.contains(&index) {
+                true => MOST_IN_GROUND,
+                false => MOST_IN_STRUCTURE,
+            };
+            let speed = part.material.medium().p_speed();
+            let ratio = slowness * speed;
+            if ratio <= most {
+                continue;
+            }
+            let largest = |wave: &PlaneWave| {
+                let parameters = wave.parameters();
+                let own = parameters.kind.speed(&parameters.medium);
+                let along = parameters.azimuth.radians().sin().abs();
+                let degrees = (most * own / (speed * along)).asin().to_degrees();
+                let azimuth = parameters.azimuth.degrees();
+                format!(
+                    "at azimuth {azimuth:.1} degrees the incidence of {} waves is at most {degrees:.1} degrees",
+                    parameters.kind
+                )
+            };
+            let ways: Vec<String> = self.waves.iter().map(largest).collect();
+            return Err(DelayedError::Fast {
+                set: part.set.clone(),
+                speed,
+                apparent: 1.0 / slowness,
+                ratio,
+                most,
+                way: ways.join(", "),
+            }
+            .into());
+        }
+        Ok(())
+    }
+
+    /// Refuses damping and water of parts.
+    fn check_parts_of_slice(&self) -> Result<(), DelayedError> {
+        for part in &self.parts {
+            let set = &part.set;
+            if matches!(part.damping, Damping::Flat { .. }) {
+                let way = "give the part Rayleigh damping proportional to mass, or none";
+                return Err(with(format!("the flat damping of part '{set}'"), way));
+            }
+            if part.damping.rayleigh().stiffness != 0.0 || part.high != 0.0 {
+                let way = "give the part damping proportional to mass, or none";
+                return Err(with(format!("the stiffness damping of part '{set}'"), way));
+            }
+            if part.material.pore_water().is_some() {
+                let way = "compute the part without water in its pores";
+                return Err(with(format!("water in the pores of part '{set}'"), way));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses joints, bolts, loads and boundaries that have no place in a slice.
+    fn check_company_of_slice(&self) -> Result<(), DelayedError> {
+        let whole = "take a body with its whole length along y";
+        if let Some(joint) = self.joints.first() {
+            return Err(with(format!("joint '{}'", joint.name), whole));
+        }
+        if !self.bolts.is_empty() {
+            return Err(with("bolts", whole));
+        }
+        if !self.prescribed.is_empty() {
+            return Err(with(
+                "prescribed motions",
+                "let waves enter through absorbing faces",
+            ));
+        }
+        if !self.constraints.is_empty() {
+            return Err(with("constraints", whole));
+        }
+        if !self.periodic.is_empty() {
+            return Err(with(
+                "periodic pairs beside them",
+                "absorb at the sides across x",
+            ));
+        }
+        let all = self
+            .loads
+            .iter()
+            .chain(self.stages.iter().flat_map(|stage| &stage.loads));
+        let weights = self
+            .weights
+            .iter()
+            .chain(self.stages.iter().flat_map(|stage| &stage.weights));
+        let changing = all.map(|staged| powerhouse_model::NodalLoad::is_constant(&staged.load));
+        let changing = changing.chain(weights.map(|(_, history)| history.is_constant()));
+        if changing.into_iter().any(|constant| !constant) {
+            let way = "a load that changes in time would travel along the axis with the waves; take a body with its whole length along y";
+            return Err(with("loads that change in time", way));
+        }
+        if self.initial == InitialMotion::Field {
+            return Err(with(
+                "the motion of the field at the start",
+                "start at rest",
+            ));
+        }
+        let along = Vec3::y();
+        let holds_along = |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along) != 0.0);
+        if self
+            .supports
+            .iter()
+            .any(|support| holds_along(support.held_direction()))
+        {
+            let way = "absorb at the bottom and at the sides across x; the sides of the slice need no other support";
+            return Err(with("supports along y", way));
+        }
+        let Some(boundary) = &self.boundary else {
+            return Ok(());
+        };
+        if !boundary.through.is_empty() {
+            let way = "what runs along y is in the slice anyhow; end it before the other faces";
+            return Err(with("structures `through` its faces", way));
+        }
+        if boundary.region.is_some() {
+            return Err(with(
+                "a region around which the field enters",
+                "let it enter through the faces",
+            ));
+        }
+        let name = powerhouse_model::AbsorbingBoundary::name(&*boundary.condition);
+        if !["viscous", "viscous-spring"].contains(&name) {
+            let what =
+                format!("the boundary '{name}', whose dashpots do not follow the slowness along y");
+            return Err(with(what, "take 'viscous-spring' or 'viscous'"));
+        }
+        Ok(())
+    }
+}
