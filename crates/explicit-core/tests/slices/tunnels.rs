@@ -242,11 +242,17 @@ fn the_wall_of_a_cavity_moves_as_the_closed_form_says() {
 #[test]
 #[ignore = "five minutes"]
 fn walls_of_cavities_in_large_boxes_move_as_the_closed_form_says() {
+    let mut above = Vec::new();
     for (case, most) in [(SV25, 0.045), (SV30, 0.045), (P70, 0.026)] {
-        let found = cavity(case, (8.0, 96, 44));
-        println!("{}: {found:.4}", case.2);
-        assert!(found < most, "{}: {found:.4}", case.2);
+        for (round, outward) in [(96, 44), (144, 66)] {
+            let found = cavity(case, (8.0, round, outward));
+            println!("{}, {round} round: {found:.4}", case.2);
+            if found >= most && round == 144 {
+                above.push((case.2, found));
+            }
+        }
     }
+    assert!(above.is_empty(), "{above:?}");
 }
 
 /// The axial stress in the middle of a concrete ring errs by no more than 1.5 % of the norm over its circumference where its P
