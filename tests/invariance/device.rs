@@ -3,18 +3,24 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use powerhouse::engine::{Engine, Explicit, ExplicitOnDevice};
-use powerhouse::{FileScene, OutputPlan, ResidualLimit, Results, RunHooks};
+use powerhouse::engine::{Engine, Explicit, ExplicitOnDevice, WaterMass};
+use powerhouse::{FileScene, OutputPlan, ResidualLimit, Results, RunHooks, WaterBeside};
 use powerhouse_device::{EmulatedDevice, EmulatedDevices};
 use powerhouse_model::Precision;
 
-/// A lined cavern of the data on an engine, without the balance of energies, which devices do not compute.
+/// A lined cavern of the data with water beside its lining on an engine, without the balance of energies, which devices do not compute.
 fn run(engine: Arc<dyn Engine>, precision: Precision) -> Results {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/scenes/cavern_small.toml");
     let scene = FileScene::from_file(file).unwrap().into_scene();
     let mut plan: OutputPlan = scene.output().clone();
     plan.energies = None;
+    let water = WaterMass::Table {
+        level: 0.0,
+        depths: vec![0.0, 200.0],
+        masses: vec![2e3, 9e3],
+    };
     let scene = scene
+        .water_beside(WaterBeside::new("intrados", water))
         .with_output(plan)
         .with_energy_residual(ResidualLimit::Unchecked)
         .with_duration(0.5)
@@ -23,7 +29,7 @@ fn run(engine: Arc<dyn Engine>, precision: Precision) -> Results {
     scene.prepare().unwrap().run(RunHooks::default()).unwrap()
 }
 
-/// A lined cavern under an oblique wave through absorbing faces has the same histories, section forces and envelopes on an emulated device,
+/// A lined cavern with water, under an oblique wave through absorbing faces, has the same histories, section forces and envelopes on an emulated device,
 /// which takes most of the steps.
 #[test]
 fn a_cavern_on_a_device_has_the_bits_of_the_host() {

@@ -16,11 +16,11 @@ use powerhouse_material_damage::{
     RelaxationSpectrum, media, presets,
 };
 use powerhouse_model::{
-    AddedMass, BlockOptions, BoundaryParts, Cadence, Cast, CheckpointSink, ElementKind,
-    EnergyCheck, Engine, EngineModel, Fields, Flow, HistoryVariable, LawInput, Mat3, Mesh,
-    ModelError, ModelSpec, NodalImpedance, NodalLoad, Observer, PeriodicPairs, PointAdapter,
-    PointLaw, Precision, Prescribed, Progress, Rayleigh, RunError, RunOptions, SavedRun, State,
-    StateError, StepChoice, StepView, Stress, Support, TimeIntegrator, Vec3,
+    BlockOptions, BoundaryParts, Cadence, Cast, CheckpointSink, ElementKind, EnergyCheck, Engine,
+    EngineModel, Fields, Flow, HistoryVariable, LawInput, Mat3, Mesh, ModelError, ModelSpec,
+    NodalImpedance, NodalLoad, Observer, PeriodicPairs, PointAdapter, PointLaw, Precision,
+    Prescribed, Progress, Rayleigh, RunError, RunOptions, SavedRun, State, StateError, StepChoice,
+    StepView, Stress, Support, TimeIntegrator, Vec3,
 };
 
 /// A box of elements of a kind, distorted.
@@ -145,8 +145,8 @@ impl Case {
         self.build_with(engine, mesh, |spec| spec)
     }
 
-    /// Builds a model with rollers along and across axes, springs and dashpots along and across them, added masses, ties, forces
-    /// that change at plain nodes and at nodes of groups, and weight.
+    /// Builds a model with rollers along and across axes, springs and dashpots along and across them, ties, forces that change
+    /// at plain nodes and at nodes of groups, and weight.
     fn build_with<'m>(
         &self,
         engine: &dyn Engine,
@@ -171,12 +171,6 @@ impl Case {
             }
         });
         let impedance: Vec<NodalImpedance> = impedance.collect();
-        let wet = right.iter().chain(&left).chain(&front);
-        let water = wet.map(|&node| match node % 3 {
-            0 => AddedMass::new(node, along * 900.0),
-            _ => AddedMass::new(node, Mat3::from_diagonal(&Vec3::new(700.0, 0.0, 50.0))),
-        });
-        let water: Vec<AddedMass> = water.collect();
         let mut loaded = face("top");
         loaded.extend(
             right
@@ -202,7 +196,6 @@ impl Case {
             .support(Support::roller(not_bottom(left.clone()), Vec3::x()))
             .periodic(periodic)
             .boundary(BoundaryParts::default().with_impedance(impedance))
-            .added_masses(water)
             .load(Box::new(Swing(loaded, self.force)))
             .gravity(
                 Vec3::new(0.0, 0.0, -9.81),
