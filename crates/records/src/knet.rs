@@ -65,7 +65,7 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let magnitude = first_behind(header, "Mag.");
     Ok(vec![Channel {
         line: duration_line,
-        component: text("Dir."),
+        component: component(&text("Dir.")),
         station: text("Station Code"),
         event: format!(
             "{} JST, magnitude {}",
@@ -82,4 +82,20 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         peak: leading(max).map(|(peak, _)| peak),
         samples,
     }])
+}
+
+/// Name of a component: KiK-net numbers its sensors, of which 1 to 3 are at the bottom of the borehole.
+///
+/// The names are the endings of the names of its files.
+fn component(direction: &str) -> String {
+    let name = match direction {
+        "1" => "NS1 (borehole)",
+        "2" => "EW1 (borehole)",
+        "3" => "UD1 (borehole)",
+        "4" => "NS2 (surface)",
+        "5" => "EW2 (surface)",
+        "6" => "UD2 (surface)",
+        other => other,
+    };
+    name.to_string()
 }

@@ -54,7 +54,7 @@ fn bare(value: f64, width: usize, decimals: usize) -> String {
     format!("{text:>width$}")
 }
 
-/// Counts of K-NET (or KiK-net, whose component is a number), with an offset; `year` changes what later years changed.
+/// Counts of K-NET (or KiK-net, whose header numbers the sensors), with an offset; `year` changes what later years changed.
 pub(super) fn knet(motion: &Motion, year: u32, offset: f64) -> String {
     let (gals, counts) = if year < 2000 {
         (2000.0, 8_388_608.0)
@@ -81,7 +81,11 @@ pub(super) fn knet(motion: &Motion, year: u32, offset: f64) -> String {
          Last Correction   {year}/12/31 23:49:59\nMemo.             \n",
         1.0 / motion.step,
         motion.duration().round(),
-        motion.component,
+        match motion.component {
+            "EW2 (surface)" => "5",
+            "UD1 (borehole)" => "3",
+            other => other,
+        },
     );
     text += &rows(&raw, 8, |a| format!("{a:>8} "));
     text

@@ -49,7 +49,8 @@ fn cases() -> Vec<Case> {
     for (name, year, component, offset) in [
         ("K-NET 1996", 1996, "N-S", 0.0),
         ("K-NET 2014", 2014, "E-W", -7.4),
-        ("KiK-net", 2011, "5", 12.0),
+        ("KiK-net", 2011, "EW2 (surface)", 12.0),
+        ("KiK-net, borehole", 2003, "UD1 (borehole)", -3.0),
     ] {
         let motion = Motion::new(component, 500, 0.01, 231.7, 6);
         let text = knet(&motion, year, offset);
