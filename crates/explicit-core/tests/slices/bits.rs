@@ -54,7 +54,7 @@ fn pairs_without_delay_are_periodic() {
     tied.delayed = None;
     let pairs = pairs(&mesh);
     let tied = run_of(tied.periodic(PeriodicPairs { pairs }));
-    assert_eq!(delayed, tied);
+    assert!(delayed == tied);
     assert!(tied.iter().flatten().any(|bits| *bits != 0));
 }
 
@@ -101,7 +101,7 @@ fn threads_change_no_bit_of_a_slice() {
         let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
         (motion(&model), report.energies)
     };
-    assert_eq!(of(1), of(3));
+    assert!(of(1) == of(3));
 }
 
 /// Keeps the state of a run after some steps.
@@ -140,7 +140,7 @@ fn a_resumed_slice_has_the_same_bits() {
     let mut rest = build();
     let resumed = options().with_resume(Arc::new(saved));
     let second = run(&mut rest, &Leapfrog, &resumed, &mut [], &mut |_| {}).unwrap();
-    assert_eq!(motion(&whole), motion(&rest));
+    assert!(motion(&whole) == motion(&rest));
     assert_eq!(first.energies, second.energies);
     assert_eq!(
         first.energy_residual.to_bits(),

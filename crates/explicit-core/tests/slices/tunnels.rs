@@ -269,40 +269,33 @@ fn the_wall_of_a_cavity_moves_as_the_closed_form_says() {
     assert!(found < 1.2 * 0.051, "{found:.4}");
 }
 
-/// Three waves in a box of 8 radii with 96 elements round, within 4.5 %, and 2.6 % for P at 70 degrees. Five minutes:
+/// Three waves in a box of 8 radii with 144 elements round, within 4.5 %, and 2.6 % for P at 70 degrees. A minute:
 /// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
 #[test]
-#[ignore = "five minutes"]
+#[ignore = "a minute"]
 fn walls_of_cavities_in_large_boxes_move_as_the_closed_form_says() {
-    let mut above = Vec::new();
     for (case, most) in [(SV25, 0.045), (SV30, 0.045), (P70, 0.026)] {
-        for (round, outward) in [(96, 44), (144, 66)] {
-            let radii = 8.0;
-            let grid = Grid {
-                radii,
-                round,
-                outward,
-            };
-            let found = cavity(&case, &grid);
-            println!("{}, {round} round: {found:.4}", case.name);
-            if found >= most && round == 144 {
-                above.push((case.name, found));
-            }
-        }
+        let grid = Grid {
+            radii: 8.0,
+            round: 144,
+            outward: 66,
+        };
+        let found = cavity(&case, &grid);
+        println!("{}: {found:.4}", case.name);
+        assert!(found < most, "{}: {found:.4}", case.name);
     }
-    assert!(above.is_empty(), "{above:?}");
 }
 
 /// The axial stress in the middle of a concrete ring errs by no more than 1.5 % of the norm over its circumference where its P
-/// waves are at 0.825 of the speed along y. Ten minutes:
+/// waves are at 0.825 of the speed along y. Two minutes:
 /// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
 #[test]
-#[ignore = "ten minutes"]
+#[ignore = "two minutes"]
 fn a_ring_has_the_axial_stress_of_the_closed_form() {
     let (kind, angles) = (WaveKind::SV, [15.0, 90.0]);
     let table = Table::read("lined_azimuth_sv15_az90.csv");
-    let round = 96;
-    let mesh = around_a_hole(&[4.5, 4.75, 5.0], 8.0 * RADIUS, round, 44);
+    let round = 144;
+    let mesh = around_a_hole(&[4.5, 4.75, 5.0], 8.0 * RADIUS, round, 66);
     let field = full_space(kind, angles, 25.0);
     let start = -0.07 - 1.5 * 8.0 * RADIUS / kind.speed(&rock());
     let mut model = model(&mesh, &field, slowness(kind, angles), start);
