@@ -65,9 +65,12 @@ const SHELVES: [&str; 3] = [
 fn permitted_in_tests(package: &str) -> &'static [&'static str] {
     match package {
         "powerhouse-explicit-core" => &[
+            "powerhouse-boundary",
             "powerhouse-contact",
             "powerhouse-elements",
+            "powerhouse-material-damage",
             "powerhouse-observe",
+            "powerhouse-wavefield",
         ],
         "powerhouse-observe" => &["powerhouse-elements"],
         DEVICE => &[ENGINE, "powerhouse-elements", "powerhouse-material-damage"],

@@ -44,8 +44,9 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let count = whole(line, number(count, line, 0)?)?;
     let (samples, end) = numbers(&lines, length, Fields::Separated, None)?;
     crate::nothing_follows(&lines, end, |line| line.contains("EVENT_NAME:"))?;
-    // The key names the unit of the peak.
-    let peak = leading(text("PGA_CM/S^2")).filter(|_| unit == AccelerationUnit::Gal);
+    // The key names the unit of the peak, with which samples in another one must agree.
+    let gal = AccelerationUnit::Gal.factor() / unit.factor();
+    let peak = leading(text("PGA_CM/S^2")).map(|(peak, _)| peak.abs() * gal);
     Ok(vec![Channel {
         line,
         component: text("STREAM").into(),
@@ -59,7 +60,7 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         step,
         unit,
         count,
-        peak: peak.map(|(peak, _)| peak.abs()),
+        peak,
         samples,
         ..Channel::default()
     }])
