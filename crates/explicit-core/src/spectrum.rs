@@ -30,6 +30,53 @@ pub(crate) struct HighestEigenvalue {
     pub(crate) converged: bool,
 }
 
+/// Tridiagonal matrix of the Lanczos method, row by row, and its largest eigenvalue so far.
+pub(crate) struct Tridiagonal {
+    diagonal: Vec<f64>,
+    off: Vec<f64>,
+    /// The eigenvalue of the last computation; zero, converged, before any.
+    pub(crate) found: HighestEigenvalue,
+}
+
+impl Default for Tridiagonal {
+    fn default() -> Self {
+        Self {
+            diagonal: Vec::new(),
+            off: Vec::new(),
+            found: HighestEigenvalue {
+                value: 0.0,
+                residual: 0.0,
+                products: 0,
+                converged: true,
+            },
+        }
+    }
+}
+
+impl Tridiagonal {
+    /// The last number off the diagonal.
+    pub(crate) fn last(&self) -> Option<f64> {
+        self.off.last().copied()
+    }
+    /// Adds the numbers of a product, on and off the diagonal; returns whether the eigenvalue is found, or no further product
+    /// is permitted.
+    pub(crate) fn extend(&mut self, alpha: f64, beta: f64) -> bool {
+        self.diagonal.push(alpha);
+        self.off.push(beta);
+        let found = &mut self.found;
+        found.products += 1;
+        let exhausted = beta <= 1e-12 * alpha.abs().max(found.value);
+        if !(exhausted || found.products.is_multiple_of(CHECK_INTERVAL)) {
+            return false;
+        }
+        let (value, last) = largest_ritz(&self.diagonal, &self.off);
+        found.value = value;
+        found.residual = beta * last;
+        found.converged = exhausted || found.residual <= TOLERANCE * value;
+        found.converged || found.products >= MOST_PRODUCTS
+    }
+}
+
 impl Model {
     /// Highest eigenvalue of `M^-1/2 K M^-1/2` (rad2/s2) with supports and ties, where `K` is the sum of the elastic
     /// operators of all blocks times `weight(block)`. Impedances are left out because they are
@@ -46,39 +93,23 @@ impl Model {
         let roots = InverseRoots::new(self);
         let mut present = self.start_vector();
         let mut previous = vec![Vec3::zeros(); count];
-        let (mut diagonal, mut off) = (Vec::new(), Vec::<f64>::new());
-        let mut found = HighestEigenvalue {
-            value: 0.0,
-            residual: 0.0,
-            products: 0,
-            converged: true,
-        };
+        let mut tridiagonal = Tridiagonal::default();
         let size = self.node_sums().norm(&present);
         if size == 0.0 {
-            return found;
+            return tridiagonal.found;
         }
         present.par_iter_mut().for_each(|x| *x /= size);
         loop {
             let mut next = self.scaled_product(&roots, &present, &weight);
             let alpha = self.node_sums().dot(&next, &present);
-            let beta_before = off.last().copied().unwrap_or(0.0);
+            let beta_before = tridiagonal.last().unwrap_or(0.0);
             next.par_iter_mut()
                 .zip(&present)
                 .zip(&previous)
                 .for_each(|((w, x), y)| *w -= x * alpha + y * beta_before);
             let beta = self.node_sums().norm(&next);
-            diagonal.push(alpha);
-            off.push(beta);
-            found.products += 1;
-            let exhausted = beta <= 1e-12 * alpha.abs().max(found.value);
-            if exhausted || found.products.is_multiple_of(CHECK_INTERVAL) {
-                let (value, last) = largest_ritz(&diagonal, &off);
-                found.value = value;
-                found.residual = beta * last;
-                found.converged = exhausted || found.residual <= TOLERANCE * value;
-                if found.converged || found.products >= MOST_PRODUCTS {
-                    return found;
-                }
+            if tridiagonal.extend(alpha, beta) {
+                return tridiagonal.found;
             }
             previous = present;
             present = next;

@@ -351,6 +351,25 @@ pub(crate) fn with_everything(mesh: &Mesh, precision: Precision, step: f64) -> M
         .boundary(BoundaryParts::default().with_impedance(impedance))
 }
 
+/// Runs a model [with everything](with_everything), whose balance must close to rounding, with a share of an inertia that is
+/// added.
+pub(crate) fn assert_balanced(
+    model: &mut Model,
+    (integrator, step): (&dyn TimeIntegrator, f64),
+    inertia: &str,
+) {
+    let options = RunOptions::steps(4_000)
+        .with_step(StepChoice::Unchecked(step))
+        .with_energy(EnergyCheck::every(100));
+    let report = run(model, integrator, &options, &mut [], &mut |_| {}).unwrap();
+    for name in [inertia, "mass damping", "dashpots", "prescribed motion"] {
+        let energy = energy_of(&report, name);
+        assert!(energy.abs() > 1e-6, "{name}: {energy}");
+    }
+    let residual = report.energy_residual;
+    assert!(residual < 1e-12, "{inertia}: {residual:e}");
+}
+
 /// Mass damping, stiffness damping, oblique dashpots, springs, supports and prescribed motion at nodes of fibres, and
 /// ties of fibres with each other: the balance closes to rounding under both schemes, with a share of the added
 /// inertia.
@@ -366,21 +385,8 @@ fn the_balance_has_the_added_inertia() {
                 .unwrap();
             let fibres = columns_of(counts, |node| added * (node % 5) as f64 / 4.0);
             model.set_fibres(&fibres).unwrap();
-            let options = RunOptions::steps(4_000)
-                .with_step(StepChoice::Unchecked(step))
-                .with_energy(EnergyCheck::every(100));
-            let report = run(&mut model, integrator, &options, &mut [], &mut |_| {}).unwrap();
-            for name in [
-                "added inertia",
-                "mass damping",
-                "dashpots",
-                "prescribed motion",
-            ] {
-                let energy = energy_of(&report, name);
-                assert!(energy.abs() > 1e-6, "{name}: {energy}");
-            }
-            let residual = report.energy_residual;
-            assert!(residual < 1e-12, "{added}: {residual:e}");
+            println!("fibres with an added inertia of {added}");
+            assert_balanced(&mut model, (integrator, step), "added inertia");
         }
     }
 }

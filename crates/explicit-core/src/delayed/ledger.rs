@@ -13,7 +13,7 @@
 //! - `s V.T - s^2/2 V.(A_consistent - A_lumped) V`: less the flux of energy along y times `s`, the column "delay",
 //! - `-1/8 dv.(M - s^2 A) dv - dt^2/8 v_y.K v_y` with `dv = v+ - v-`, the column "time step".
 
-use powerhouse_model::{BlockEnergy, HourglassShare, Operator, Vec3};
+use powerhouse_model::{BlockEnergy, Operator, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::Model;
@@ -231,14 +231,13 @@ impl Model {
             ("loads", works.loads),
             ("residual", residual),
         ]);
-        let shares: Vec<HourglassShare> = hourglass;
         Some(Reading {
             columns,
             residual: relative,
-            worst_set: shares
+            worst_set: hourglass
                 .first()
                 .map_or_else(String::new, |share| share.set.clone()),
-            hourglass: shares,
+            hourglass,
             fibres: [0.0; 2],
         })
     }

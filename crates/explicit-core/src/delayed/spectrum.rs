@@ -11,9 +11,7 @@
 use powerhouse_model::{Operator, Vec3};
 
 use crate::Model;
-use crate::spectrum::{
-    CHECK_INTERVAL, HighestEigenvalue, MOST_PRODUCTS, TOLERANCE, largest_ritz, noise,
-};
+use crate::spectrum::{HighestEigenvalue, Tridiagonal, noise};
 
 /// A vector of the operator by group: `v` in x and z, `w` in y; and `K w`.
 #[derive(Clone)]
@@ -45,38 +43,22 @@ impl Model {
         self.delayed.as_ref()?;
         let mut present = self.start_of_slice(reference);
         let mut previous: Option<Pair> = None;
-        let (mut diagonal, mut off) = (Vec::new(), Vec::<f64>::new());
-        let mut found = HighestEigenvalue {
-            value: 0.0,
-            residual: 0.0,
-            products: 0,
-            converged: true,
-        };
+        let mut tridiagonal = Tridiagonal::default();
         let size = self.slice_product(&present, &present).sqrt();
         if size == 0.0 {
-            return Some(found);
+            return Some(tridiagonal.found);
         }
         present.scale(1.0 / size);
         loop {
             let mut next = self.gyroscopic_product(&present);
             let alpha = self.slice_product(&next, &present);
             next.add(&present, -alpha);
-            if let (Some(previous), Some(beta)) = (&previous, off.last()) {
+            if let (Some(previous), Some(beta)) = (&previous, tridiagonal.last()) {
                 next.add(previous, -beta);
             }
             let beta = self.slice_product(&next, &next).max(0.0).sqrt();
-            diagonal.push(alpha);
-            off.push(beta);
-            found.products += 1;
-            let exhausted = beta <= 1e-12 * alpha.abs().max(found.value);
-            if exhausted || found.products.is_multiple_of(CHECK_INTERVAL) {
-                let (value, last) = largest_ritz(&diagonal, &off);
-                found.value = value;
-                found.residual = beta * last;
-                found.converged = exhausted || found.residual <= TOLERANCE * value;
-                if found.converged || found.products >= MOST_PRODUCTS {
-                    return Some(found);
-                }
+            if tridiagonal.extend(alpha, beta) {
+                return Some(tridiagonal.found);
             }
             next.scale(1.0 / beta);
             previous = Some(core::mem::replace(&mut present, next));
