@@ -154,6 +154,29 @@ fn the_energy_balance_closes_with_relaxation() {
     assert!((taken / begun - 1.0).abs() < 1.0e-3, "{taken} {begun}");
 }
 
+/// The energy balance has the same bits however often it is read: the stored energy, computed at readings alone, is that of the
+/// step, and the work between them is that of every step.
+#[test]
+fn the_energy_balance_has_the_same_bits_however_often_it_is_read() {
+    let mesh = column(media::ROCK.s_speed() / 12.0);
+    let balance = |every: u64| {
+        let options = RunOptions::seconds(0.5).with_energy(EnergyCheck::every(every));
+        let model = &mut swinging(&mesh);
+        run(model, &Leapfrog, &options, &mut [], &mut |_| {})
+            .unwrap()
+            .energies
+    };
+    let in_every_step = balance(1);
+    let relaxed = in_every_step.iter().find(|(name, _)| *name == "relaxation");
+    assert!(relaxed.unwrap().1 > 0.0);
+    for every in [7, 100, u64::MAX] {
+        let residual = |(name, _): &&(&str, f64)| *name != "residual";
+        let known: Vec<_> = in_every_step.iter().filter(residual).collect();
+        let found = balance(every);
+        assert_eq!(known, found.iter().filter(residual).collect::<Vec<_>>());
+    }
+}
+
 /// Damping of 5 % over 0.5 to 20 Hz costs at most 12 % of the stable step of the undamped column,
 /// however fine its elements.
 #[test]

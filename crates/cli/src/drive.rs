@@ -42,6 +42,12 @@ pub(crate) fn drive(
         let stem = path.file_stem().unwrap_or("point".as_ref());
         Path::new("results").join(stem)
     };
+    if let Some(growth) = material.growth_of_flow().filter(|growth| *growth > 0.0) {
+        say!(
+            "while it flows in plane-strain compression, waves of wave number k grow as exp(k t {growth:.0} m/s): \
+             ill-posed (docs/materials.md#flow-without-dilation)"
+        );
+    }
     say!("\nfiles");
     for file in test.write(&out.unwrap_or_else(default))? {
         say!("  {}", file.display());

@@ -450,6 +450,7 @@ fn drive_tests_a_material() {
     assert_eq!(output.status.code(), Some(0), "{errors}");
     for passage in [
         "plastic-damage: 200 steps",
+        "waves of wave number k grow as exp(k t ",
         "warning: ",
         "damage_type 3",
         "point.svg",

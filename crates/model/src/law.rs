@@ -363,6 +363,12 @@ pub trait ConstitutiveLaw: Clone + Send + Sync + 'static {
     fn relaxes(&self) -> bool {
         false
     }
+    /// Whether stored energy is the only [`energy`](Self::energy) of the law, so that nothing is plastic, damaged or recovered.
+    ///
+    /// Engines then evaluate the energies in steps alone in which the energy balance is read.
+    fn only_stores(&self) -> bool {
+        false
+    }
     /// Checks a width of an element along the normal of a crack (m) before a run; every width is accepted by
     /// default.
     ///

@@ -65,6 +65,10 @@ pub struct InputShift {
     pub of_forces: f64,
 }
 
+/// What an estimated error of fibres leaves out.
+pub const OF_FIBRES_ALONE: &str = "by the fibres alone and in elastic motion: the longer step has an error of its own, and where \
+     joints slip or materials flow or crack, either may change accelerations altogether";
+
 impl fmt::Display for FibreShift {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -79,7 +83,7 @@ impl fmt::Display for FibreShift {
         write!(
             f,
             ", and motion at {:.1} Hz, below which the input has 99 % of its energy, by {:.2} % (an estimate); \
-             errors of accelerations and shear forces are about {:.1e}, of axial forces and moments {:.1e}",
+             errors of accelerations and shear forces are about {:.1e}, of axial forces and moments {:.1e}, {OF_FIBRES_ALONE}",
             input.frequency,
             100.0 * input.shift,
             input.of_accelerations,

@@ -69,7 +69,7 @@ pub use delayed::DelayedError;
 pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use fibre_choice::{FibreChoice, FibreOptions};
-pub use fibre_price::{FibreShift, InputShift};
+pub use fibre_price::{FibreShift, InputShift, OF_FIBRES_ALONE};
 pub use first_of_set::FirstOfSet;
 pub use input_spectrum::EnergySpectrum;
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};

@@ -4,7 +4,7 @@ use core::fmt::{self, Write};
 
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::model::Vec3;
-use powerhouse::{FibreChoice, Remark, Results, StageOverview, merge_messages};
+use powerhouse::{FibreChoice, OF_FIBRES_ALONE, Remark, Results, StageOverview, merge_messages};
 
 use crate::check::{CheckReport, Warning};
 use crate::static_cost::StaticCost;
@@ -177,7 +177,7 @@ fn fibres(out: &mut String, choices: &[FibreChoice]) {
     if !choices.is_empty() {
         line!(
             out,
-            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, estimated decrease of frequencies"
+            "\nfibres across thin parts (`fibres` in [time]): step, fibres by their number of nodes, estimated decrease of frequencies, and errors {OF_FIBRES_ALONE}"
         );
     }
     for choice in choices {

@@ -36,6 +36,9 @@ pub(super) struct Account<S> {
     damped: bool,
     /// Energy stored in these batches at that step (J).
     stored: f64,
+    /// Of laws whose relaxed energy [telescopes](super::law_forms::LawForms::telescopes): what was stored and relaxed when the
+    /// bookkeeping began, and the work since (J). What is not stored of it is relaxed.
+    given: f64,
     /// Energies accumulated so far (J).
     spent: BlockEnergy,
 }
@@ -53,6 +56,7 @@ impl<S: BatchScalar> Default for Account<S> {
             damping_stress: AlignedNumbers::zeros(0),
             damped: false,
             stored: 0.0,
+            given: 0.0,
             spent: BlockEnergy::default(),
         }
     }
@@ -110,10 +114,15 @@ pub(super) struct SavedAccount {
     has_energies: bool,
     damped: bool,
     stored: f64,
+    given: f64,
     spent: BlockEnergy,
 }
 
 impl<S: BatchScalar> Account<S> {
+    /// Whether the step of a number follows the last one of the bookkeeping.
+    pub(super) fn is_followed_by(&self, number: u64) -> bool {
+        number > 0 && self.number == Some(number - 1)
+    }
     /// Whether each batch had energy bookkeeping at the last step; empty before any.
     pub(super) fn balanced(&self) -> &[bool] {
         &self.balanced
@@ -146,6 +155,7 @@ impl<S: BatchScalar> Account<S> {
             has_energies: self.has_energies,
             damped: self.damped,
             stored: self.stored,
+            given: self.given,
             spent: self.spent,
         }
     }
@@ -184,6 +194,7 @@ impl<S: BatchScalar> Account<S> {
             damping_stress: store(&saved.damping_stress, 6 * points, &|_| true)?,
             damped: saved.damped,
             stored: saved.stored,
+            given: saved.given,
             spent: saved.spent,
         };
         Ok(())
@@ -229,9 +240,22 @@ pub(super) struct StepSums {
     bending_plastic: f64,
     /// Whether the law has energies of its own.
     has_energies: bool,
+    /// Whether the work is required alone, not the stored energy.
+    of_work: bool,
 }
 
 impl StepSums {
+    /// Sums of zero; the stored energy is required, or the work alone.
+    pub(super) fn new(requires_stored: bool) -> Self {
+        Self {
+            of_work: !requires_stored,
+            ..Self::default()
+        }
+    }
+    /// Whether the stored energy is required in the step.
+    pub(super) fn requires_stored(&self) -> bool {
+        !self.of_work
+    }
     /// Begins the bookkeeping of a batch with its stored energy.
     #[inline(always)]
     pub(super) fn enter<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
@@ -333,7 +357,7 @@ where
             return;
         }
         let mut account = core::mem::take(&mut self.account);
-        let follows = context.number > 0 && account.number == Some(context.number - 1);
+        let follows = account.is_followed_by(context.number);
 
         if damping != 0.0 {
             let continues = follows && account.damped;
@@ -379,13 +403,21 @@ where
                 let gained = sums.stored + sums.left - sums.entered - account.stored;
                 let of_law = gained + sums.plastic + sums.damage - sums.recovered;
                 let rest = sums.work - of_law;
-                if account.has_energies && self.law.relaxes() {
+                if self.law.telescopes() {
+                    account.given += sums.work + sums.entered - sums.left;
+                    if sums.requires_stored() {
+                        spent.relaxation = account.given - sums.stored;
+                    }
+                } else if account.has_energies && self.law.relaxes() {
                     spent.relaxation += rest;
                 } else if account.has_energies {
                     spent.integration += rest;
                 } else {
                     spent.plastic += rest;
                 }
+            }
+            if !follows {
+                account.given = account.spent.relaxation + sums.stored;
             }
             account.stored = sums.stored;
         }

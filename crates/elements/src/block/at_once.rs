@@ -85,6 +85,9 @@ impl ErasedLaw for AtOnce {
     fn relaxes(&self) -> bool {
         false
     }
+    fn only_stores(&self) -> bool {
+        false
+    }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         None
     }

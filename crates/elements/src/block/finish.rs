@@ -77,12 +77,14 @@ where
             }
         }
         let volumes = self.kernel.volumes(geometry);
+        let works = matches!(response, Response::LawWithWork);
         let points = match response {
             Response::LawWithEnergies(energies, are_all) => Some((energies, are_all)),
             Response::Elastic if self.was_balanced(index) => Some((None, false)),
-            Response::Elastic | Response::Law => None,
+            Response::Elastic | Response::Law | Response::LawWithWork => None,
         };
         let energy = match &points {
+            None if works => Some(Energy::not_required(zero)),
             Some((points, are_all)) => {
                 let (points, moduli) = (points.as_ref(), self.moduli);
                 let mut energy = Energy::over(points, *are_all, moduli, &volumes, &stresses);

@@ -109,6 +109,7 @@ pub(crate) trait ErasedLaw: Send + Sync {
     fn hourglass_share(&self, input: &LawInput<f64>, new_history: &[f64], change: &Stress) -> f64;
     fn tangent(&self, input: &LawInput<f64>) -> Option<[[f64; 6]; 6]>;
     fn relaxes(&self) -> bool;
+    fn only_stores(&self) -> bool;
     fn elastic_domain(&self) -> Option<ElasticDomain>;
 }
 
@@ -171,6 +172,9 @@ impl<M: ConstitutiveLaw> ErasedLaw for M {
     }
     fn relaxes(&self) -> bool {
         ConstitutiveLaw::relaxes(self)
+    }
+    fn only_stores(&self) -> bool {
+        ConstitutiveLaw::only_stores(self)
     }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         ConstitutiveLaw::elastic_domain(self)

@@ -71,4 +71,10 @@ impl<S: Scalar> LawForms<S> {
     pub(super) fn relaxes(&self) -> bool {
         self.current().is_some_and(|law| law.relaxes())
     }
+    /// Whether the law is viscoelastic and stored energy is the only one that it has: what it relaxes is then the work less the
+    /// increase of the stored energy over any number of steps.
+    pub(super) fn telescopes(&self) -> bool {
+        self.current()
+            .is_some_and(|law| law.relaxes() && law.only_stores())
+    }
 }

@@ -349,7 +349,9 @@ where
         // Inactive elements keep their committed history.
         let in_place = context.history_update == HistoryUpdate::InPlace;
         self.history.set_in_place(in_place && self.active.is_none());
-        let mut sums = StepSums::default();
+        // Stored energy is required where the history variables may be read after the step, and where the bookkeeping begins.
+        let begins = !self.account.is_followed_by(context.number);
+        let mut sums = StepSums::new(!in_place || begins || !self.law.telescopes());
         let balanced = context.ledger.then_some(&mut sums);
         let terms = StepTerms {
             step: context.step,

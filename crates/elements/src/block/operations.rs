@@ -166,6 +166,8 @@ pub(super) enum Response<L, const P: usize> {
     Elastic,
     /// The law, without energies.
     Law,
+    /// The law, with the work of the step alone.
+    LawWithWork,
     /// The law, with energies if it has them, and whether they are all.
     LawWithEnergies(Option<[LawEnergy<L>; P]>, bool),
 }
@@ -200,6 +202,8 @@ pub(super) struct BatchStress<L, const P: usize> {
 #[derive(Clone, Copy)]
 pub(super) struct Required {
     energy: bool,
+    /// Whether the work of the step is required.
+    work: bool,
     /// Whether stiffness damping acts, or the element's own history follows plastic flow, which require all of the
     /// remaining stiffness.
     all: bool,
@@ -244,8 +248,11 @@ where
         let mut rows = Aligned([[[S::default(); 4]; MOST_LANES]; N]);
         let mut check = FiniteCheck(L::splat(token, 0.0));
         let rates = self.rates.as_ref();
+        let bookkeeping = rates.and_then(|rates| rates.bookkeeping.as_ref());
         let required = Required {
-            energy: self.survey.is_some() || rates.is_some_and(|rates| rates.bookkeeping.is_some()),
+            energy: self.survey.is_some()
+                || bookkeeping.is_some_and(|of| of.sums.requires_stored()),
+            work: bookkeeping.is_some(),
             all: rates.is_some_and(|rates| rates.damping != 0.0)
                 || (self.moduli.resist() && self.kernel.own_history() > 0),
             hourglass: self.moduli.resist(),
@@ -300,11 +307,12 @@ where
                             batch,
                             has_energies != Energies::None,
                         );
-                        let response = match required.energy {
-                            true => {
-                                Response::LawWithEnergies(energies, has_energies == Energies::All)
-                            }
-                            false => Response::Law,
+                        let response = if required.energy {
+                            Response::LawWithEnergies(energies, has_energies == Energies::All)
+                        } else if required.work {
+                            Response::LawWithWork
+                        } else {
+                            Response::Law
                         };
                         let remaining = match required.all || required.hourglass {
                             true => Some(self.exchange.remaining::<L, P>(token, batch)),
@@ -491,5 +499,11 @@ impl<L: BatchLane> Energy<L> {
             None => sum.stored = complementary_energy(moduli, volumes, stresses),
         }
         Self { sum, of_law }
+    }
+    /// None, of a step in which the stored energy of a law that has no other is not required.
+    #[inline(always)]
+    pub(super) fn not_required(zero: L) -> Self {
+        let sum = LawEnergy::stored(zero);
+        Self { sum, of_law: true }
     }
 }

@@ -221,6 +221,9 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
     fn relaxes(&self) -> bool {
         self.skeleton.relaxes()
     }
+    fn only_stores(&self) -> bool {
+        self.skeleton.only_stores()
+    }
     /// That of the skeleton, of effective stresses, while water cannot flow; drained states store the volume strain.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         match self.is_drained {

@@ -313,6 +313,9 @@ impl<M: ElasticInSeries> ConstitutiveLaw for FlatDamping<M> {
     fn relaxes(&self) -> bool {
         self.spectrum.is_some()
     }
+    fn only_stores(&self) -> bool {
+        self.effective.is_linear()
+    }
     fn elastic_domain(&self) -> Option<ElasticDomain> {
         match &self.spectrum {
             Some(_) => None,
