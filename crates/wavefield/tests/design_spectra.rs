@@ -241,7 +241,7 @@ fn a_factor_centres_the_spectrum() {
     assert!(TimeHistory::factor_to_spectrum(&[&first], &target, &long).is_err());
 }
 
-/// Matched records of several seeds and steps have the spectrum to 15 % at periods between those of the wavelets as well, and to 1 % in the
+/// Eleven matched records of several steps have the spectrum to 15 % at periods between those of the wavelets as well, and to 1 % in the
 /// mean over the band, as the report says; the mean of the records is within 0.9 and 1.1 at every period.
 #[test]
 fn matched_records_have_the_spectrum() {
@@ -250,7 +250,7 @@ fn matched_records_have_the_spectrum() {
         .map(|i| 0.1 * 20f64.powf(i as f64 / 149.0))
         .collect();
     let mut sum = vec![0.0; periods.len()];
-    for seed in 1..=4 {
+    for seed in 1..=11 {
         let step = [0.005, 0.01, 0.02][seed as usize % 3];
         let original = record(seed, step, 15.0);
         let (matched, report) = original.matched_to_spectrum(&target, &BAND).unwrap();
@@ -263,7 +263,7 @@ fn matched_records_have_the_spectrum() {
                 "seed {seed}, {} s: {ratio}",
                 response.period
             );
-            *sum += ratio / 4.0;
+            *sum += ratio / 11.0;
         }
         let misfit = matched.misfit(&target, &BAND).unwrap();
         assert_eq!(misfit, report.after);
