@@ -151,8 +151,8 @@ impl AbsorbingBoundary for ViscousSpring {
     fn name(&self) -> &str {
         "viscous-spring"
     }
-    fn as_any(&self) -> Option<&dyn core::any::Any> {
-        Some(self)
+    fn speed_ratios(&self) -> Option<[f64; 3]> {
+        Some(self.axes.map(|axis| axis.speed_ratio))
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         for axis in &self.axes {

@@ -255,8 +255,9 @@ pub trait AbsorbingBoundary: Send + Sync {
     /// If the boundary cannot be built for the site, such as with a zero distance from the scatterer; the model is then
     /// not built.
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError>;
-    /// The boundary as its concrete type, for predictions of its reflections; none by default.
-    fn as_any(&self) -> Option<&dyn core::any::Any> {
+    /// Impedances of its dashpots over those of plane waves in the medium (1), on faces whose normals are nearest to x, y and z: for
+    /// predictions of its reflections, which take 1 where there are none, as by default.
+    fn speed_ratios(&self) -> Option<[f64; 3]> {
         None
     }
 }
@@ -265,8 +266,8 @@ impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Box<B> {
     fn name(&self) -> &str {
         (**self).name()
     }
-    fn as_any(&self) -> Option<&dyn core::any::Any> {
-        (**self).as_any()
+    fn speed_ratios(&self) -> Option<[f64; 3]> {
+        (**self).speed_ratios()
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         (**self).build(site)
@@ -277,8 +278,8 @@ impl<B: AbsorbingBoundary + ?Sized> AbsorbingBoundary for Arc<B> {
     fn name(&self) -> &str {
         (**self).name()
     }
-    fn as_any(&self) -> Option<&dyn core::any::Any> {
-        (**self).as_any()
+    fn speed_ratios(&self) -> Option<[f64; 3]> {
+        (**self).speed_ratios()
     }
     fn build(&self, site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
         (**self).build(site)

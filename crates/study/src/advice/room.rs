@@ -2,7 +2,6 @@
 
 use core::fmt;
 
-use powerhouse::boundary::ViscousSpring;
 use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
 use powerhouse::{Scene, keys};
 
@@ -96,10 +95,7 @@ pub(crate) fn kind_of(condition: &dyn AbsorbingBoundary) -> BoundaryKind {
     if condition.name() == keys::VISCOUS {
         return BoundaryKind::Viscous;
     }
-    let any = condition.as_any();
-    let known = any.and_then(|any| any.downcast_ref::<ViscousSpring>());
-    let default = ViscousSpring::default();
-    let ratios = (known.unwrap_or(&default).axes).map(|axis| axis.speed_ratio);
+    let ratios = condition.speed_ratios().unwrap_or([1.0; 3]);
     // The ratio of the faces with the largest reflection at normal incidence.
     let worst = ratios
         .into_iter()
