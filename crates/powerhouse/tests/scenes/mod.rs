@@ -53,3 +53,5 @@ mod stages;
 mod stages_at_rest;
 mod support;
 mod surroundings;
+mod undrained;
+mod water_stages;
