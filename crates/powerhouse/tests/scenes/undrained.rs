@@ -196,9 +196,6 @@ fn undrained_ground_shears_as_drained_ground() {
             assert!((wet - 1.0).abs() < 0.01, "{}: {wet}", kernel.name());
             assert!((wet - dry).abs() < 0.01, "{}: {wet} {dry}", kernel.name());
         }
-        let locked = shear_period(SolidKernel::Hex8Full, &wet, expected) / expected;
-        println!("hex8-full: {locked}");
-        assert!(locked < 0.95, "{locked}");
     }
 }
 
@@ -312,5 +309,7 @@ fn an_undrained_hole_converges_as_salencons() {
             println!("{} {released}: {ratio}", kernel.name());
             assert!((ratio - 1.0).abs() < 0.01, "{}: {ratio}", kernel.name());
         }
+        let [found, expected] = hole(SolidKernel::Hex8Full, soil, released, 2);
+        println!("full {}", found / expected);
     }
 }

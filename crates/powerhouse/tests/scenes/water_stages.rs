@@ -56,9 +56,8 @@ density = 2000
 lateral = 0.5
 water = { level = 9 }
 [boundary]
-kind = "viscous-spring"
+kind = "viscous"
 faces = ["left", "right", "front", "back", "bottom"]
-scatterer = [0, 0, 6]
 [time]
 duration = 0.02
 [output]
@@ -520,6 +519,54 @@ fn a_lined_shaft_bears_the_head() {
     }
 }
 
+/// A table of pressures by height that is hydrostatic is a level, at the start and in stages; one that is not settles the ground by
+/// what it lacks.
+#[test]
+fn tables_of_pressures_stand_for_levels() {
+    let hydrostatic = |level: f64| {
+        format!(
+            "pressures = [[12, 0], [{level}, 0], [0, {}]]",
+            WATER * level
+        )
+    };
+    let stage = |keys: &str| {
+        format!("[[stage]]\nname = \"later\"\ntolerance = 1e-12\nwater = [{{ {keys} }}]\n")
+    };
+    let by_level = format!("{COLUMN}{}", stage("level = 5"));
+    let by_table = format!("{COLUMN}{}", stage(&hydrostatic(5.0)));
+    let by_table = by_table.replace(
+        "porosity = 0.4, level = 9",
+        &format!("porosity = 0.4, {}", hydrostatic(9.0)),
+    );
+    let by_table = by_table.replace(
+        "water = { level = 9 }",
+        &format!("water = {{ {} }}", hydrostatic(9.0)),
+    );
+    assert_eq!(by_table.matches("pressures").count(), 3);
+    let low = WATER * 9.0 - 4e4;
+    let drained = format!(
+        "{COLUMN}{}",
+        stage("pressures = [[12, 0], [9, 0], [0, 4e4]]")
+    );
+    for column in columns() {
+        let [level, table] = [&by_level, &by_table].map(|text| column.run(text));
+        let settled = [&level, &table].map(|results| results.stages[1].largest_displacement.0);
+        close(settled[0], settled[1], settled[0], "settlement");
+        for (a, b) in level.histories.columns.iter().zip(&table.histories.columns) {
+            assert_eq!(a.name, b.name);
+            if ["zz", "xx", "yy", "pressure"]
+                .iter()
+                .any(|end| a.name.ends_with(end))
+            {
+                close(a.values[0], b.values[0], 2e5, &a.name);
+            }
+        }
+        let settled = column.run(&drained).stages[1].largest_displacement.0;
+        let expected = 0.5 * low * 9.0 / SAND;
+        close(settled, expected, expected, "seepage");
+    }
+}
+
 /// What cannot be done is refused by name.
 #[test]
 fn water_of_stages_is_refused_by_name() {
@@ -570,9 +617,32 @@ fn water_of_stages_is_refused_by_name() {
             "is cast in this stage, with pores without pressure",
         ),
         (stage("water = [{ set = \"plug\" }]"), "level"),
+        (
+            stage("water = [{ level = 3, pressures = [[12, 0], [0, 1]] }]"),
+            "one of `level` and `pressures`",
+        ),
+        (
+            stage("water = [{ pressures = [[11, 0], [0, 1e4]] }]"),
+            "has its centre at z = 11.5 m, and the table of pressures reaches from 0 to 11 m",
+        ),
+        (
+            stage("water = [{ pressures = [[12, 0], [12, 1e4]] }]"),
+            "height",
+        ),
+        (
+            COLUMN.replace(
+                "porosity = 0.4, level = 9",
+                "porosity = 0.4, pressures = [[12, 0], [1, 1e4]]",
+            ),
+            "with its centre at z = 0.5 m",
+        ),
+        (
+            COLUMN.replace("water = { level = 9 }", "water = { density = 1025 }"),
+            "level",
+        ),
         (stage("water = [{ level = 3, density = 0 }]"), "above 0"),
         (stage("water = [{ level = 3, porosity = 0.3 }]"), "porosity"),
-        (stage("undrained = 1"), "true or false"),
+        (stage("undrained = 1"), "expected a boolean"),
     ] {
         let message = column.read(&text).err().unwrap().to_string();
         assert!(message.contains(wanted), "{wanted}: {message}");

@@ -41,7 +41,7 @@ pub struct PoreWater {
     pub bulk_modulus: Option<At<Positive>>,
     /// Density of the water (kg/m3), above 0; 1000 by default.
     pub density: Option<Positive>,
-    /// Permeability of the ground for water (hydraulic conductivity, m/s), above 0: of it alone `check` tells how far pressures spread
+    /// Permeability of the ground for water (hydraulic conductivity, m/s), above 0: from it `check` states how far pressures spread
     /// during the run, in which no water flows, and warns where that is wrong. Unknown by default.
     pub permeability: Option<Positive>,
 }
