@@ -54,4 +54,5 @@ mod stages_at_rest;
 mod support;
 mod surroundings;
 mod undrained;
+mod water_results;
 mod water_stages;

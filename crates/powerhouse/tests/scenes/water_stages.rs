@@ -14,14 +14,14 @@ use powerhouse::{
 
 use super::support::{Folder, run};
 
-const GRAVITY: f64 = 9.81;
-const WATER: f64 = 1000.0 * GRAVITY;
-const HEIGHT: f64 = 12.0;
+pub(super) const GRAVITY: f64 = 9.81;
+pub(super) const WATER: f64 = 1000.0 * GRAVITY;
+pub(super) const HEIGHT: f64 = 12.0;
 /// Constrained modulus of the sand (Pa), and bulk modulus of water over its porosity.
-const SAND: f64 = 40e6 * 0.7 / (1.3 * 0.4);
-const PORES: f64 = 2.2e9 / 0.4;
+pub(super) const SAND: f64 = 40e6 * 0.7 / (1.3 * 0.4);
+pub(super) const PORES: f64 = 2.2e9 / 0.4;
 
-const COLUMN: &str = r#"
+pub(super) const COLUMN: &str = r#"
 title = "column"
 [mesh]
 file = "column.msh"
@@ -75,14 +75,14 @@ support = [
 "#;
 
 /// A column of ground with bricks of 1 m height in three parts, turned about the vertical, and its scenes.
-struct Column {
-    folder: Folder,
+pub(super) struct Column {
+    pub(super) folder: Folder,
     turn: Rotation3<f64>,
     kernel: &'static str,
 }
 
 impl Column {
-    fn new(turn: f64, cells: [usize; 2], kernel: &'static str) -> Self {
+    pub(super) fn new(turn: f64, cells: [usize; 2], kernel: &'static str) -> Self {
         let size = Vec3::new(3.0, 2.0, HEIGHT);
         let cells = [cells[0], cells[1], HEIGHT as usize];
         let mut mesh = Mesh::box_of_hexes(Vec3::zeros(), size, cells, "all").unwrap();
@@ -95,6 +95,10 @@ impl Column {
             let elements = mesh.elements_in_box(&box_of[0], &box_of[1]);
             mesh.set_element_set(name, elements).unwrap();
         }
+        let low = mesh.element_set("low").unwrap().to_vec();
+        let mut floor = mesh.boundary_facets_of(|element| low.contains(&element));
+        floor.retain(|facet| mesh.facet_geometry(*facet).normal().z > 0.9);
+        mesh.set_facet_set("floor", floor).unwrap();
         let turn = Rotation3::from_axis_angle(&Vec3::z_axis(), turn);
         let mesh = mesh.map_positions(|x| turn * x).unwrap();
         let folder = Folder::new("water-stages");
@@ -105,7 +109,7 @@ impl Column {
             kernel,
         }
     }
-    fn read(&self, text: &str) -> Result<FileScene, Error> {
+    pub(super) fn read(&self, text: &str) -> Result<FileScene, Error> {
         let mut text = text.to_owned();
         for z in [2.5, 5.5, 7.5, 10.5] {
             let at = self.turn * Vec3::new(0.7, 0.6, z);
@@ -119,13 +123,13 @@ impl Column {
         let text = text.replace("[[part]]\n", &kernel);
         FileScene::from_toml(text, self.folder.join("column.toml"), &Registry::default())
     }
-    fn run(&self, text: &str) -> Results {
+    pub(super) fn run(&self, text: &str) -> Results {
         run(self.read(text).unwrap())
     }
 }
 
 /// The columns on which the closed forms hold to rounding: several kernels, directions and bricks.
-fn columns() -> [Column; 3] {
+pub(super) fn columns() -> [Column; 3] {
     [
         Column::new(0.0, [2, 1], "hex8-natural"),
         Column::new(0.6, [1, 2], "hex8-full"),
@@ -133,53 +137,22 @@ fn columns() -> [Column; 3] {
     ]
 }
 
-fn first(results: &Results, column: &str) -> f64 {
+pub(super) fn first(results: &Results, column: &str) -> f64 {
     let found = results.histories.column(column);
     found.unwrap_or_else(|| panic!("{column}")).values[0]
 }
 
-fn close(found: f64, expected: f64, size: f64, what: &str) {
+pub(super) fn close(found: f64, expected: f64, size: f64, what: &str) {
     let off = (found - expected).abs() / size;
     assert!(off < 1e-8, "{what}: {found} for {expected}, {off:e}");
 }
 
 /// Largest displacement of the run after the stages (m).
-fn moved(results: &Results) -> f64 {
+pub(super) fn moved(results: &Results) -> f64 {
     let columns = results.histories.columns.iter();
     let displacements = columns.filter(|c| c.name.contains(".u"));
     let values = displacements.flat_map(|c| c.values.iter());
     values.fold(0.0_f64, |most, u| most.max(u.abs()))
-}
-
-/// At rest under a water table K0 holds between effective stresses, by name in the results; total stress stays total.
-#[test]
-fn results_name_effective_stresses_and_pressures() {
-    for column in columns() {
-        let results = column.run(COLUMN);
-        for z in [2.5, 5.5, 7.5, 10.5] {
-            let at = |name: &str| first(&results, &format!("z{z}.{name}"));
-            let total = -2000.0 * GRAVITY * (HEIGHT - z);
-            let pressure = WATER * (9.0_f64 - z).max(0.0);
-            let effective = total + pressure;
-            for (name, expected) in [
-                ("zz", total),
-                ("xx", 0.5 * effective - pressure),
-                ("pore_pressure", pressure),
-                ("effective_zz", effective),
-                ("effective_xx", 0.5 * effective),
-                ("effective_yy", 0.5 * effective),
-                ("effective_xy", 0.0),
-                ("effective_yz", 0.0),
-                ("effective_zx", 0.0),
-                ("vertical_stress_at_rest", effective),
-                ("excess_pore_pressure", 0.0),
-            ] {
-                close(at(name), expected, total.abs(), &format!("{name} at {z}"));
-            }
-            assert_eq!(at("pore_pressure_ratio"), 0.0);
-        }
-        assert!(moved(&results) < 1e-13, "{:e}", moved(&results));
-    }
 }
 
 /// A load on an undrained column is borne by the water but for a small part; in the drained stage after it the pressure is
@@ -339,6 +312,27 @@ fn water_lifts_the_floor_of_a_pit() {
         close(still[3].1 - still[2].1, 0.0, heave, "held floor");
         let rise = total(&still[2]) - total(&still[3]);
         close(rise, lost / 6.0, lost / 6.0, "uplift");
+    }
+}
+
+/// A pit that is excavated under water has the pressure of the water on its floor: the ground below loses effective stress by the weight
+/// under water alone.
+#[test]
+fn a_pit_is_excavated_under_water() {
+    let pit = format!(
+        "{COLUMN}[[stage]]\nname = \"pit\"\ntolerance = 1e-12\nexcavate = [\"plug\", \"upper\"]\n\
+         load = [{{ kind = \"water\", set = \"floor\", level = 9 }}]\n"
+    );
+    let lost = 2000.0 * GRAVITY * 6.0 - 3.0 * WATER;
+    let heave = lost * 6.0 / SAND;
+    for column in columns() {
+        let found = column.stages(&pit);
+        let up = found[1].0.iter().map(|u| u.z).fold(0.0, f64::max);
+        close(up, heave, heave, "heave");
+        let (z, low) = (0.5, column.lowest());
+        let total = -2000.0 * GRAVITY * (6.0 - z) - 3.0 * WATER;
+        close(found[1].2[low].0[2], total, -total, "total stress");
+        close(found[1].3[low], WATER * (9.0 - z), -total, "pressure");
     }
 }
 
@@ -564,88 +558,5 @@ fn tables_of_pressures_stand_for_levels() {
         let settled = column.run(&drained).stages[1].largest_displacement.0;
         let expected = 0.5 * low * 9.0 / SAND;
         close(settled, expected, expected, "seepage");
-    }
-}
-
-/// What cannot be done is refused by name.
-#[test]
-fn water_of_stages_is_refused_by_name() {
-    let column = Column::new(0.0, [1, 1], "hex8-full");
-    let stage = |keys: &str| format!("{COLUMN}[[stage]]\nname = \"later\"\n{keys}\n");
-    let dry = |keys: &str| stage(keys).replace("pore_water = { porosity = 0.4, level = 9 }\n", "");
-    let clay = |keys: &str| {
-        let old = "set = \"plug\"\nmaterial = \"sand\"";
-        stage(keys).replace(old, "set = \"plug\"\nmaterial = \"clay\"")
-    };
-    for (text, wanted) in [
-        (
-            stage("water = [{ level = 3, set = \"pit\" }]"),
-            "there is no element set 'pit'",
-        ),
-        (
-            clay("water = [{ level = 3, set = \"plug\" }]"),
-            "no element of set 'plug' is active in this stage and has water in its pores",
-        ),
-        (
-            stage("water = [{ level = 3, set = \"plug\" }]\nexcavate = [\"plug\"]"),
-            "no element of set 'plug' is active",
-        ),
-        (
-            stage("water = [{ level = 3, set = \"plug\" }, { level = 4, set = \"all\" }]"),
-            "of set 'all' has another water level in the same stage",
-        ),
-        (
-            stage("water = [{ level = 3 }, { level = 4 }]"),
-            "two water levels of the stage name no set",
-        ),
-        (
-            stage("water = [{ level = 3 }]\nundrained = true"),
-            "a water level in an undrained stage",
-        ),
-        (
-            dry("undrained = true"),
-            "an undrained stage in a body without water",
-        ),
-        (
-            dry("water = [{ level = 3 }]"),
-            "a water level in a body without water",
-        ),
-        (
-            stage(
-                "excavate = [\"upper\"]\n[[stage]]\nname = \"fill\"\ncast = [\"upper\"]\nwater = [{ level = 3, set = \"upper\" }]",
-            ),
-            "is cast in this stage, with pores without pressure",
-        ),
-        (stage("water = [{ set = \"plug\" }]"), "level"),
-        (
-            stage("water = [{ level = 3, pressures = [[12, 0], [0, 1]] }]"),
-            "one of `level` and `pressures`",
-        ),
-        (
-            stage("water = [{ pressures = [[11, 0], [0, 1e4]] }]"),
-            "has its centre at z = 11.5 m, and the table of pressures reaches from 0 to 11 m",
-        ),
-        (
-            stage("water = [{ pressures = [[12, 0], [12, 1e4]] }]"),
-            "height",
-        ),
-        (
-            COLUMN.replace(
-                "porosity = 0.4, level = 9",
-                "porosity = 0.4, pressures = [[12, 0], [1, 1e4]]",
-            ),
-            "with its centre at z = 0.5 m",
-        ),
-        (
-            COLUMN.replace("water = { level = 9 }", "water = { density = 1025 }"),
-            "level",
-        ),
-        (stage("water = [{ level = 3, density = 0 }]"), "above 0"),
-        (stage("water = [{ level = 3, porosity = 0.3 }]"), "porosity"),
-        (stage("undrained = 1"), "expected a boolean"),
-    ] {
-        let message = column.read(&text).err().unwrap().to_string();
-        assert!(message.contains(wanted), "{wanted}: {message}");
-        assert!(message.contains("column.toml:"), "{message}");
     }
 }
