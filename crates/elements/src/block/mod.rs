@@ -608,10 +608,8 @@ where
         self.account.restart();
     }
     fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
-        self.shown_of_water(index, variable).or_else(|| {
-            self.history
-                .element_value(&self.arrangement, index, variable)
-        })
+        let of_law = || (self.history).element_value(&self.arrangement, index, variable);
+        self.shown_of_water(index, variable).or_else(of_law)
     }
     fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
         self.saved().map(Some)
