@@ -66,8 +66,8 @@ impl fmt::Display for SaturatedMaterial {
         }
         write!(
             f,
-            "its law sees effective stress, stages are drained, and in the run no water flows (bulk modulus over porosity {:.3e} Pa, \
-             P speed {undrained:.0} m/s, drained {drained:.0} m/s); stresses in results are total ones, and so are those that joints see",
+            "its law sees effective stress, stages without `undrained` are drained, and in the run no water flows (bulk modulus over porosity {:.3e} Pa, \
+             P speed {undrained:.0} m/s, drained {drained:.0} m/s); stresses in results are total ones, but for those named `effective_`, and joints see total ones",
             self.stiffness
         )?;
         let Some(seepage) = &self.seepage else {
