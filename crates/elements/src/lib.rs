@@ -15,7 +15,7 @@ mod kernels;
 mod lanes;
 mod loads;
 
-pub use block::{AnyLaw, PoreWater, solid};
+pub use block::{AnyLaw, Drainage, PoreWater, WaterPressure, solid};
 pub use bolts::{BoltEnd, BoltLine, BoltParameters, BoltPattern, BoltSegment, BoltSet, Grout};
 pub use kernels::{
     Hex8BBar, Hex8Eas, Hex8Full, Hex8Natural, Hex8OnePoint, Pyramid5, SolidKernel, Tet4, Tet10,

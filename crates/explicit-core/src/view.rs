@@ -2,7 +2,9 @@
 
 use std::cell::OnceCell;
 
-use powerhouse_model::{JointView, NodalView, Quad, StepView, Stress, Vec3};
+use powerhouse_model::{
+    EFFECTIVE_STRESS, JointView, NodalView, PORE_PRESSURE, Quad, StepView, Stress, Vec3,
+};
 
 use crate::Model;
 use crate::nodes::with_nodes;
@@ -106,7 +108,18 @@ impl StepView for View<'_> {
     }
     fn history(&self, element: u32, variable: &str) -> Option<f64> {
         let (block, index) = self.model.subdomain.block_of(element)?;
-        self.model.blocks[block].shown_history(index, variable)
+        let shown = |name: &str| self.model.blocks[block].shown_history(index, name);
+        let mut components = EFFECTIVE_STRESS.iter();
+        let Some(component) = components.position(|effective| effective.name == variable) else {
+            return shown(variable);
+        };
+        let pressure = shown(PORE_PRESSURE.name)?;
+        let total = self.stress(element).0[component];
+        Some(if component < 3 {
+            total + pressure
+        } else {
+            total
+        })
     }
     fn embedded(&self, block: &str, variable: &str) -> Option<Vec<f64>> {
         self.model.embedded_values(block, variable)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use powerhouse_elements::{AnyLaw, PoreWater};
+use powerhouse_elements::{AnyLaw, Drainage, PoreWater};
 use powerhouse_material_damage::{
     ElasticInSeries, FlatDamping, LinearElastic, ReferenceFrequency, RelaxationSpectrum,
     growth_of_flow,
@@ -143,19 +143,35 @@ impl Material {
     /// sees effective stress. Flat damping is that of the skeleton.
     #[must_use]
     pub fn with_pore_water(&self, water: PoreWater) -> Self {
+        self.with_law(move |law| law.with_pore_water(water.clone()))
+    }
+    /// The same material whose water in pores, if there is any, is drained or undrained in static states; drained at first.
+    #[must_use]
+    pub fn with_drainage(&self, drainage: Drainage) -> Self {
+        self.with_law(move |law| law.with_drainage(drainage))
+    }
+    /// The same material with pressures (Pa) of the water in its pores, if there is any, in static states by element of the
+    /// mesh; elements without one keep that of their height.
+    #[must_use]
+    pub fn with_pore_pressures(&self, pressures: Arc<[Option<f64>]>) -> Self {
+        self.with_law(move |law| law.with_pore_pressures(pressures.clone()))
+    }
+    /// The material with another form of its law, with and without damping.
+    fn with_law(&self, form: impl Fn(&AnyLaw) -> AnyLaw + Clone + Send + Sync + 'static) -> Self {
+        let of_damped = form.clone();
         let damped = self.damped.clone().map(|damped| -> Arc<Damped> {
             Arc::new(move |spectrum, reference| {
-                Ok(damped(spectrum, reference)?.with_pore_water(water))
+                Ok(damped(spectrum, reference)?.with_law(of_damped.clone()))
             })
         });
         Self {
-            law: self.law.with_pore_water(water),
+            law: form(&self.law),
             damped,
             ..self.clone()
         }
     }
     /// The water in the pores of the material, if there is any.
-    pub fn pore_water(&self) -> Option<PoreWater> {
+    pub fn pore_water(&self) -> Option<&PoreWater> {
         self.law.pore_water()
     }
     /// The elastic medium of the undamaged material, with water in its pores that cannot flow.
@@ -166,7 +182,7 @@ impl Material {
     pub fn elastic(&self) -> Self {
         let elastic = Self::new(LinearElastic::new(self.law.skeleton()));
         match self.pore_water() {
-            Some(water) => elastic.with_pore_water(water),
+            Some(water) => elastic.with_pore_water(water.clone()),
             None => elastic,
         }
     }

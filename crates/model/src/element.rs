@@ -432,7 +432,8 @@ pub trait ElementBlock: Send + Sync {
     /// element with an index in [`elements`](Self::elements); none if its law has no such variable.
     ///
     /// By default it is the mean over the integration points of the committed [`history`](Self::history),
-    /// which is right for blocks whose history variables change only at a commit.
+    /// which is right for blocks whose history variables change only at a commit. Blocks with water in their pores also answer
+    /// [`PORE_PRESSURE`](crate::PORE_PRESSURE) and [`PORE_PRESSURE_RATIO`](crate::PORE_PRESSURE_RATIO).
     fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
         let fields = self.history();
         let field = fields.iter().find(|field| field.name == variable)?;

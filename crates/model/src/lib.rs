@@ -51,6 +51,7 @@ mod mesh;
 mod nodal;
 mod periodic;
 mod point_law;
+mod pore_water;
 mod program;
 mod ranks;
 mod rayleigh;
@@ -120,6 +121,7 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
+pub use pore_water::{EFFECTIVE_STRESS, EXCESS_PORE_PRESSURE, PORE_PRESSURE, PORE_PRESSURE_RATIO};
 pub use program::{
     NumberFormat, Program, ProgramBranch, ProgramError, ProgramLoop, ProgramOperation, ProgramParts,
 };

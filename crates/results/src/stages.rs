@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter, write_table};
-use powerhouse_model::{HistoryVariable, Mesh, State};
+use powerhouse_model::{EFFECTIVE_STRESS, HistoryVariable, Mesh, PORE_PRESSURE, State, Stress};
 
 use crate::joints::{JointFacets, scalars};
 use crate::vtu::{numbers, unit};
 use powerhouse_contact::JointSurface;
 use powerhouse_scene::{BoltForces, CompletedStage, Error, StageSink, file_name};
 
-/// Writer of stage results: `NUMBER-NAME.vtu` with displacement, stress, history variables of laws and active
-/// elements, a file for the facets of each joint, and a table for each bolt group.
+/// Writer of stage results: `NUMBER-NAME.vtu` with displacement, total stress, history variables of laws, pressure of water in pores
+/// and effective stress, and active elements, a file for the facets of each joint, and a table for each bolt group.
 pub(crate) struct StageFiles {
     folder: PathBuf,
     writer: VtuWriter,
@@ -94,9 +94,35 @@ impl StageFiles {
             let name = (variable.name, unit(variable.unit));
             elemental.push(field(name, 1, numbers(variable), values));
         }
+        let effective: Vec<Vec<f64>> = match stage.pore_pressure {
+            [] => Vec::new(),
+            pressures => (0..EFFECTIVE_STRESS.len())
+                .map(|component| effective_stress(stage.stress, pressures, component))
+                .collect(),
+        };
+        let water = (!effective.is_empty()).then_some((&PORE_PRESSURE, stage.pore_pressure));
+        let effective = effective.iter().map(Vec::as_slice);
+        for (variable, values) in water
+            .into_iter()
+            .chain(EFFECTIVE_STRESS.iter().zip(effective))
+        {
+            let name = (variable.name, unit(variable.unit));
+            elemental.push(field(name, 1, numbers(variable), values));
+        }
         let number = (stage.index + 1) as f64;
         self.writer.write(file, number, &nodal, &elemental)
     }
+}
+
+/// Component of the effective stress of each element (Pa), from total stresses and pressures of the water (Pa).
+fn effective_stress(stresses: &[Stress], pressures: &[f64], component: usize) -> Vec<f64> {
+    let is_normal = component < 3;
+    let all = stresses.iter().zip(pressures);
+    let effective = all.map(|(stress, pressure)| match is_normal {
+        true => stress.0[component] + pressure,
+        false => stress.0[component],
+    });
+    effective.collect()
 }
 
 /// Element values of a history variable, zero where the law does not have it.

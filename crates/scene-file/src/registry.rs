@@ -13,9 +13,10 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::builtin;
+use crate::resolve::pore_water::water_pressure;
 use crate::spec::{
     At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, SceneSpec,
-    WATER_BULK_MODULUS, water_weight,
+    WATER_BULK_MODULUS,
 };
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::standard_engine;
@@ -341,12 +342,13 @@ impl Registry {
             .as_ref()
             .map_or(WATER_BULK_MODULUS, |k| k.get());
         let water = PoreWater::new(bulk_modulus, given.porosity.get());
-        let water = water.and_then(|water| match &given.level {
-            None => Ok(water),
-            Some(level) => water.with_level(level.get(), water_weight(given.density)),
-        });
         let water = water.map_err(|error| Fault::refused(given.span(), error))?;
-        Ok(material.with_pore_water(water))
+        let keys = (&given.level, &given.pressures, given.density);
+        let pressure = water_pressure(given.span(), keys)?;
+        Ok(material.with_pore_water(match pressure {
+            Some(pressure) => water.with_pressure(pressure),
+            None => water,
+        }))
     }
     pub(crate) fn boundary(
         &self,

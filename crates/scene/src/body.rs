@@ -9,6 +9,7 @@ use powerhouse_model::{
 };
 
 use crate::acting::{StagedLoad, function};
+use crate::stage::WaterAtRest;
 use crate::{Error, HighDamping, Kernel, Part, Remark, Scene, SceneRemark};
 use powerhouse_laws::{Damping, DampingCost, Material};
 
@@ -30,20 +31,32 @@ pub(crate) struct Piece {
 
 impl Piece {
     /// Block factory of the dynamic model.
-    pub(crate) fn moving(&self, part: &Part, precision: Precision) -> Box<dyn BlockFactory> {
+    pub(crate) fn moving(
+        &self,
+        part: &Part,
+        precision: Precision,
+        water: &WaterAtRest,
+    ) -> Box<dyn BlockFactory> {
         let mut options = BlockOptions::default();
         options.precision = precision;
         options.damping = self.damping;
-        self.kernel.factory(&part.set, &self.material, options)
+        let material = water.of(self.material.clone());
+        self.kernel.factory(&part.set, &material, options)
     }
     /// Block factory of static models, in double precision, with the dynamic material or another one.
-    pub(crate) fn resting(&self, part: &Part, other: Option<&Material>) -> Box<dyn BlockFactory> {
+    pub(crate) fn resting(
+        &self,
+        part: &Part,
+        other: Option<&Material>,
+        water: &WaterAtRest,
+    ) -> Box<dyn BlockFactory> {
         let material = match other {
             None => self.material.clone(),
             Some(other) if self.rim => other.elastic(),
             Some(other) => other.clone(),
         };
         let options = BlockOptions::default();
+        let material = water.of(material);
         self.kernel.factory(&part.set, &material, options)
     }
 }

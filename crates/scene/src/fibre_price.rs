@@ -26,6 +26,7 @@ use powerhouse_model::{
 
 use crate::body::Piece;
 use crate::input_spectrum::InputSpectrum;
+use crate::stage::WaterAtRest;
 use crate::{Error, Scene};
 
 /// Number of modes that are kept from one round of inverse iteration to the next, and most rounds.
@@ -349,7 +350,7 @@ impl Scene {
         for piece in &own {
             let part = &self.parts[piece.part];
             let elastic = piece.material.elastic();
-            let factory = piece.resting(part, Some(&elastic));
+            let factory = piece.resting(part, Some(&elastic), &WaterAtRest::default());
             spec = spec.elements(piece.elements.clone(), factory);
         }
         if let Some(threads) = self.threads_taken() {

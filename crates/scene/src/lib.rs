@@ -89,7 +89,7 @@ pub(crate) use prepare::field_motion;
 pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 pub use region::RegionError;
-pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial};
+pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial, Seepage};
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
 pub use scene_remark::{HighDamping, SceneRemark};
@@ -97,7 +97,7 @@ pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,
     SceneStage, StageCheckpointSink, StageHook, StageOverview, StageSink, StageSolution,
-    StagingError, WeightLayer,
+    StageWater, StagingError, WeightLayer,
 };
 pub use through::ThroughError;
 pub use water_mass::{AddedWater, WaterBeside, WaterError};

@@ -2,6 +2,7 @@
 
 use powerhouse_model::HistoryVariable;
 
+use crate::output::{add_variables, shown_variables};
 use crate::{Error, Scene};
 
 /// Number of stored history variables (internal state variables) of the laws of a scene.
@@ -24,7 +25,7 @@ impl Scene {
     pub fn law_memory(&self) -> Result<LawMemory, Error> {
         let mut memory = LawMemory::default();
         for (part, rim) in self.parts.iter().zip(self.rims()?) {
-            let shown = part.material.history();
+            let shown = shown_variables(&part.material);
             let of_point = part.moving_material()?.history().len();
             for element in self.mesh.element_set(&part.set)? {
                 if rim.contains(element) {
@@ -36,11 +37,7 @@ impl Scene {
                 }
                 memory.elements += usize::from(!shown.is_empty());
             }
-            for variable in shown {
-                if memory.variables.iter().all(|v| v.name != variable.name) {
-                    memory.variables.push(*variable);
-                }
-            }
+            add_variables(&mut memory.variables, &shown);
         }
         Ok(memory)
     }

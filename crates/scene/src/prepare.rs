@@ -180,7 +180,7 @@ impl Scene {
                 scene: self,
                 pieces,
                 timeline,
-                variables: state_variables.variables,
+                variables: state_variables.of_laws,
             }),
         })
     }
@@ -271,8 +271,12 @@ impl Scene {
         timeline: Option<&Timeline>,
         remarks: &mut Vec<Remark>,
     ) -> Result<Moving<'a>, Error> {
+        let water = timeline
+            .and_then(Timeline::water)
+            .cloned()
+            .unwrap_or_default();
         for piece in pieces {
-            let factory = piece.moving(&self.parts[piece.part], self.precision);
+            let factory = piece.moving(&self.parts[piece.part], self.precision, &water);
             spec = spec.elements(piece.elements.clone(), factory);
         }
         let present = timeline.and_then(Timeline::present);

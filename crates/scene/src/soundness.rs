@@ -31,7 +31,7 @@ impl Scene {
             found.extend(checked.err().map(|magnitude| (magnitude, of)));
         };
         for part in &self.parts {
-            let medium = part.material.medium();
+            let medium = part.material.law().skeleton();
             for (usual, name, value) in [
                 (magnitude::YOUNG, "young", medium.young),
                 (magnitude::POISSON, "poisson", medium.poisson),

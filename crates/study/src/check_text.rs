@@ -2,6 +2,7 @@
 
 use core::fmt::{self, Write};
 
+use powerhouse::engine::Drainage;
 use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::model::Vec3;
 use powerhouse::{FibreChoice, OF_FIBRES_ALONE, Remark, Results, StageOverview, merge_messages};
@@ -294,6 +295,16 @@ fn stages(out: &mut String, stages: &[StageOverview]) {
                 .iter()
                 .map(|joint| format!("bond of '{joint}' renewed")),
         );
+        actions.extend(stage.water.iter().map(|water| {
+            let of = (water.set.as_ref()).map_or(String::new(), |set| format!(" of '{set}'"));
+            match water.pressure.level() {
+                Some(level) => format!("water level{of} at z = {level} m"),
+                None => format!("water pressures{of} of a table"),
+            }
+        }));
+        if stage.drainage == Drainage::Undrained {
+            actions.push("undrained".into());
+        }
         if stage.options.release < 1.0 {
             actions.push(format!("{} % released", 100.0 * stage.options.release));
         }

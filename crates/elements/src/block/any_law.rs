@@ -9,7 +9,7 @@ use powerhouse_model::{
 
 use super::at_once::{AtOnce, Undamaged};
 use super::law::{BatchLaws, ErasedLaw};
-use super::pore_water::{PoreWater, Saturated};
+use super::pore_water::{Drainage, PoreWater, Saturated};
 
 /// Constitutive law of any type with its type erased, which every element kernel evaluates in lanes.
 ///
@@ -46,7 +46,17 @@ pub struct AnyLaw {
     law: Arc<dyn ErasedLaw>,
     /// None for linear laws, which their medium defines.
     in_lanes: Option<Arc<dyn BatchLaws>>,
-    water: Option<PoreWater>,
+    water: Option<WaterOfLaw>,
+}
+
+/// Water in the pores of a material with the law of its skeleton.
+#[derive(Clone)]
+struct WaterOfLaw {
+    water: PoreWater,
+    skeleton: Arc<dyn BatchLaws>,
+    drainage: Drainage,
+    /// Pressures (Pa) of elements of the mesh in static states, in place of those of the water by height; none where it is these.
+    pressures: Option<Arc<[Option<f64>]>>,
 }
 
 impl AnyLaw {
@@ -83,22 +93,63 @@ impl AnyLaw {
             Some(law) => law.clone(),
             None => Arc::new(Undamaged(self.law.medium())),
         };
-        let of_skeleton = |is_drained| Saturated::new(skeleton.clone(), water, is_drained);
+        Self::saturated(WaterOfLaw {
+            water,
+            skeleton,
+            drainage: Drainage::Drained,
+            pressures: None,
+        })
+    }
+    fn saturated(water: WaterOfLaw) -> Self {
+        let stiffness = water.water.stiffness();
+        let of = |is_drained| Saturated::new(water.skeleton.clone(), stiffness, is_drained);
         Self {
-            law: Arc::new(of_skeleton(false)),
-            in_lanes: Some(Arc::new(of_skeleton(true))),
+            law: Arc::new(of(false)),
+            in_lanes: Some(Arc::new(of(water.drainage == Drainage::Drained))),
             water: Some(water),
         }
     }
+    /// The law whose water is drained or undrained in static states; without water in the pores the same law.
+    #[must_use]
+    pub fn with_drainage(&self, drainage: Drainage) -> Self {
+        match self.water.clone() {
+            Some(water) => Self::saturated(WaterOfLaw { drainage, ..water }),
+            None => self.clone(),
+        }
+    }
+    /// The law with pressures (Pa) of the water in static states by element of the mesh; elements without one keep that of their
+    /// height. Without water in the pores the same law.
+    #[must_use]
+    pub fn with_pore_pressures(&self, pressures: Arc<[Option<f64>]>) -> Self {
+        let pressures = Some(pressures);
+        match self.water.clone() {
+            Some(water) => Self::saturated(WaterOfLaw { pressures, ..water }),
+            None => self.clone(),
+        }
+    }
     /// The water in the pores of the material, if there is any.
-    pub fn pore_water(&self) -> Option<PoreWater> {
-        self.water
+    pub fn pore_water(&self) -> Option<&PoreWater> {
+        self.water.as_ref().map(|water| &water.water)
+    }
+    /// Whether the water, if there is any, flows in static states.
+    pub(super) fn drainage(&self) -> Drainage {
+        (self.water.as_ref()).map_or(Drainage::Drained, |water| water.drainage)
+    }
+    /// Pressure (Pa) of the water in static states in an element of the mesh with its centre at a height z (m); zero without
+    /// water.
+    pub fn pore_pressure(&self, element: u32, height: f64) -> f64 {
+        let Some(water) = &self.water else {
+            return 0.0;
+        };
+        let own = water.pressures.as_ref();
+        let own = own.and_then(|own| own.get(element as usize).copied().flatten());
+        own.unwrap_or_else(|| water.water.pressure(height))
     }
     /// The elastic medium of the undamaged material without the stiffness of water in its pores.
     pub fn skeleton(&self) -> ElasticMedium {
-        match (&self.in_lanes, self.water) {
-            (Some(law), Some(_)) => law.medium(),
-            _ => self.law.medium(),
+        match &self.water {
+            Some(water) => water.skeleton.medium(),
+            None => self.law.medium(),
         }
     }
     /// Whether the law is linear elastic, without history variables.

@@ -19,7 +19,7 @@ use super::locations::Locations;
 use super::memory::Connectivity;
 use super::numbers::AlignedNumbers;
 use super::operations::Moduli;
-use super::pore_water::VARIABLES as OF_WATER;
+use super::pore_water::{Drainage, VARIABLES as OF_WATER};
 use super::transfer::NodeScalar;
 use crate::lanes::{Arrangement, Lanes};
 
@@ -147,6 +147,7 @@ where
             shear: medium.shear(),
             skeleton: self.law.skeleton().lambda(),
             water: water.map_or(0.0, |water| water.stiffness()),
+            is_drained: self.law.drainage() == Drainage::Drained,
             hourglass: self.kernel.hourglass_moduli(&medium).unwrap_or_default(),
         };
         let connectivity = self.connect(part, arrangement.width).map_err(refused)?;
@@ -197,12 +198,13 @@ where
             moduli,
             elements: &shapes,
         });
-        let pressures = water.filter(|water| water.level().is_some()).map(|water| {
-            let heights = part
-                .elements
-                .iter()
-                .map(|&element| part.mesh.centroid(element).z);
-            heights.map(|height| water.pressure(height)).collect()
+        let pressures = water.map(|_| {
+            let elements = part.elements.iter();
+            let pressure = |&element: &u32| {
+                let height = part.mesh.centroid(element).z;
+                self.law.pore_pressure(element, height)
+            };
+            elements.map(pressure).collect()
         });
         // Copied, since a collection of the list itself would keep the memory of the corners.
         let masses = shapes.iter().map(|(_, masses)| *masses).collect();

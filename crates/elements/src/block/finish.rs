@@ -8,10 +8,7 @@ use super::operations::{BatchStress, Energy, Material, Response};
 use super::own::OwnHistory;
 use super::pore_water::pressures;
 use super::remaining::{damped_share, less, product, times};
-use super::survey::{
-    FiniteCheck, complementary_energy, each_lane, earlier, saturated_energy, step_work, write_all,
-    write_mean,
-};
+use super::survey::{FiniteCheck, each_lane, earlier, step_work, write_all, write_mean};
 use super::transfer::{gather, gather_view, scatter};
 use crate::lanes::{BatchLane, BatchScalar, MOST_LANES};
 
@@ -85,17 +82,18 @@ where
         };
         let energy = match &points {
             None if works => Some(Energy::not_required(zero)),
-            Some((points, are_all)) => {
-                let (points, moduli) = (points.as_ref(), self.moduli);
-                let mut energy = Energy::over(points, *are_all, moduli, &volumes, &stresses);
-                if points.is_none() && moduli.water != 0.0 {
-                    let strains = self.kernel.strains(geometry, &modes);
-                    let water = pressures(self.history.get(), moduli, index, &strains);
-                    if let Some(water) = water {
-                        energy.sum.stored = saturated_energy(moduli, &volumes, &stresses, &water);
+            Some((Some(points), are_all)) => Some(Energy::over(points, *are_all, &volumes)),
+            Some((None, _)) => {
+                let moduli = self.moduli;
+                let water = match moduli.water == 0.0 {
+                    true => None,
+                    false => {
+                        let strains = self.kernel.strains(geometry, &modes);
+                        pressures(self.history.get(), moduli, index, &strains)
                     }
-                }
-                Some(energy)
+                };
+                let water = water.as_ref();
+                Some(Energy::of_stresses(moduli, &volumes, &stresses, water))
             }
             None => None,
         };
@@ -139,19 +137,17 @@ where
                         began[p] = Stress::elastic(lambda, shear, &strains[p]);
                     }
                     let water = pressures(self.history.get(), self.moduli, index, &strains);
-                    let stored = match water {
-                        None => complementary_energy(self.moduli, &volumes, &began),
-                        Some(pressures) => {
-                            for p in 0..P {
-                                for i in 0..3 {
-                                    began[p].0[i] = began[p].0[i] - pressures[p];
-                                }
+                    if let Some(pressures) = &water {
+                        for p in 0..P {
+                            for i in 0..3 {
+                                began[p].0[i] = began[p].0[i] - pressures[p];
                             }
-                            saturated_energy(self.moduli, &volumes, &began, &pressures)
                         }
-                    };
+                    }
+                    let water = water.as_ref();
+                    let energy = Energy::of_stresses(self.moduli, &volumes, &began, water);
                     write_all(&began, before);
-                    sums.enter(stored, &batch);
+                    sums.enter(energy.sum.stored, &batch);
                 }
                 let work = step_work(
                     &geometry,

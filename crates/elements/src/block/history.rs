@@ -373,6 +373,23 @@ impl<S: BatchScalar> History<S> {
         };
         Some(variable.of_element((0..self.points).map(of_point)))
     }
+    /// Sum of the values of a variable of an element after the last forces, by its place among those of a point, times
+    /// weights of the points.
+    pub(super) fn weighted(
+        &self,
+        arrangement: &Arrangement,
+        element: usize,
+        variable: usize,
+        weights: &[f64],
+    ) -> f64 {
+        let Some(numbers) = self.latest(element / self.width) else {
+            return 0.0;
+        };
+        let of_point = |(point, weight): (usize, &f64)| {
+            weight * numbers[self.index(arrangement, element, (point, variable))].to_f64()
+        };
+        weights.iter().enumerate().map(of_point).sum()
+    }
     /// Committed history of some elements of the mesh, one field per variable.
     pub(super) fn fields(&self, arrangement: &Arrangement, elements: &[u32]) -> Vec<HistoryField> {
         let of_elements = (self.own > 0).then(|| {

@@ -181,11 +181,12 @@ where
         value.map_or_else(Vec3::zeros, |value| value.to_vector())
     }
 
-    /// Moduli of the initial stiffness for an operator: those of dynamic steps for [`Operator::Elastic`], drained ones otherwise.
+    /// Moduli of the initial stiffness for an operator: those of dynamic steps for [`Operator::Elastic`], those of static states
+    /// otherwise.
     pub(super) fn moduli_of(&self, operator: Operator) -> Moduli {
         match operator {
             Operator::Elastic => self.moduli,
-            _ => self.moduli.drained(),
+            _ => self.moduli.at_rest(),
         }
     }
 

@@ -26,6 +26,7 @@ mod remaining;
 mod saved;
 mod survey;
 mod transfer;
+mod water_pressure;
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -53,7 +54,8 @@ use transfer::NodeScalar;
 pub use any_law::AnyLaw;
 pub use factory::solid;
 pub(crate) use factory::{coordinate_rounding, of_any_law};
-pub use pore_water::PoreWater;
+pub use pore_water::{Drainage, PoreWater};
+pub use water_pressure::WaterPressure;
 
 thread_local! {
     /// Displacements from which a block computes, where they are not those of the step: one buffer per thread, which
@@ -608,8 +610,8 @@ where
         self.account.restart();
     }
     fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
-        self.history
-            .element_value(&self.arrangement, index, variable)
+        let of_law = || (self.history).element_value(&self.arrangement, index, variable);
+        self.shown_of_water(index, variable).or_else(of_law)
     }
     fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
         self.saved().map(Some)

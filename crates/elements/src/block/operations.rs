@@ -14,7 +14,8 @@ use super::memory::as_lanes;
 use super::numbers::Aligned;
 use super::own::MOST_OWN;
 use super::survey::{
-    FiniteCheck, Summary, complementary_energy, each_lane, linear_energy, write_mean,
+    FiniteCheck, Summary, complementary_energy, each_lane, linear_energy, saturated_energy,
+    write_mean,
 };
 use super::transfer::{gather, scatter};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes, MOST_LANES};
@@ -27,11 +28,21 @@ pub(super) struct Moduli {
     /// The first of them without the stiffness of water in pores, and that stiffness (zero where there is no water).
     pub(super) skeleton: f64,
     pub(super) water: f64,
+    /// Whether the water flows in static states.
+    pub(super) is_drained: bool,
     /// Hourglass moduli of the undamaged material, zero if there are no hourglass forces.
     pub(super) hourglass: [f64; 3],
 }
 
 impl Moduli {
+    /// The moduli in static states: without water in pores, unless it cannot flow in them.
+    #[inline(always)]
+    pub(super) fn at_rest(self) -> Self {
+        match self.is_drained {
+            true => self.drained(),
+            false => self,
+        }
+    }
     /// The moduli without water in pores.
     #[inline(always)]
     pub(super) fn drained(self) -> Self {
@@ -475,28 +486,20 @@ pub(super) struct Energy<L> {
 }
 
 impl<L: BatchLane> Energy<L> {
-    /// Integrates the energies of the points, or computes those of an undamaged medium with these stresses.
+    /// Integrates the energies of the points.
     /// Without closures, which could be compiled on their own, without the instructions of the lane.
     #[inline(always)]
     pub(super) fn over<const P: usize>(
-        points: Option<&[LawEnergy<L>; P]>,
+        points: &[LawEnergy<L>; P],
         of_law: bool,
-        moduli: Moduli,
         volumes: &[L; P],
-        stresses: &[Stress<L>; P],
     ) -> Self {
-        let zero = volumes[0].constant(0.0);
-        let mut sum = LawEnergy::stored(zero);
-        match points {
-            Some(points) => {
-                for (point, &volume) in points.iter().zip(volumes) {
-                    sum.stored = point.stored.mul_add(volume, sum.stored);
-                    sum.plastic = point.plastic.mul_add(volume, sum.plastic);
-                    sum.damage = point.damage.mul_add(volume, sum.damage);
-                    sum.recovered = point.recovered.mul_add(volume, sum.recovered);
-                }
-            }
-            None => sum.stored = complementary_energy(moduli, volumes, stresses),
+        let mut sum = LawEnergy::stored(volumes[0].constant(0.0));
+        for (point, &volume) in points.iter().zip(volumes) {
+            sum.stored = point.stored.mul_add(volume, sum.stored);
+            sum.plastic = point.plastic.mul_add(volume, sum.plastic);
+            sum.damage = point.damage.mul_add(volume, sum.damage);
+            sum.recovered = point.recovered.mul_add(volume, sum.recovered);
         }
         Self { sum, of_law }
     }
@@ -505,5 +508,23 @@ impl<L: BatchLane> Energy<L> {
     pub(super) fn not_required(zero: L) -> Self {
         let sum = LawEnergy::stored(zero);
         Self { sum, of_law: true }
+    }
+    /// The energy that an undamaged medium stores at changes of stress (Pa), total ones where there is water in its pores, with
+    /// the pressures of the water beyond those at rest (Pa).
+    #[inline(always)]
+    pub(super) fn of_stresses<const P: usize>(
+        moduli: Moduli,
+        volumes: &[L; P],
+        stresses: &[Stress<L>; P],
+        water: Option<&[L; P]>,
+    ) -> Self {
+        let stored = match water {
+            Some(water) => saturated_energy(moduli, volumes, stresses, water),
+            None => complementary_energy(moduli, volumes, stresses),
+        };
+        Self {
+            sum: LawEnergy::stored(stored),
+            of_law: false,
+        }
     }
 }

@@ -5,38 +5,41 @@ use std::sync::Arc;
 #[cfg(feature = "programs")]
 use powerhouse_model::RemainingStiffness;
 use powerhouse_model::{
-    ElasticDomain, ElasticMedium, ElementKernel, HistoryVariable, Lane, LawEnergy, LawInput,
-    ModelError, ParameterError, Strain, Stress,
+    EXCESS_PORE_PRESSURE, ElasticDomain, ElasticMedium, ElementKernel, Geometry, HistoryVariable,
+    Lane, LawEnergy, LawInput, ModelError, PORE_PRESSURE, PORE_PRESSURE_RATIO, ParameterError,
+    Strain, Stress,
 };
 #[cfg(feature = "programs")]
 use powerhouse_program::Traced;
 
+use super::Block;
 use super::history::History;
 use super::law::{BatchLaw, BatchLaws, Energies, ErasedLaw, Evaluation, HistoryAccess, differ};
 use super::memory::{as_lanes, as_lanes_mut};
 use super::operations::{Material, Moduli};
 use super::survey::complementary_density;
+use super::transfer::NodeScalar;
+use super::water_pressure::WaterPressure;
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar, Lanes};
 
 /// Water that fills the pores of a material.
 ///
 /// The law of the material sees the effective stress `sigma' = sigma + p I` (tension positive), where `p` is the pressure of
-/// the water. In static states the water is drained: `p` is the hydrostatic pressure below a level. In dynamic steps it cannot
-/// flow: with the change of volume strain `e` since the last static state it grows by `-K e`, where `K` is the bulk modulus of
-/// water over the porosity, grains being incompressible.
+/// the water. In static states the water is drained, unless they are [undrained](Drainage): `p` is a pressure by
+/// height. In dynamic steps it cannot flow: with the change of volume strain `e` since the last drained state it grows by `-K e`,
+/// where `K` is the bulk modulus of water over the porosity, grains being incompressible.
 ///
 /// ```
-/// use powerhouse_elements::PoreWater;
-/// let water = PoreWater::new(2.2e9, 0.4)?.with_level(-3.0, 9810.0)?;
+/// use powerhouse_elements::{PoreWater, WaterPressure};
+/// let water = PoreWater::new(2.2e9, 0.4)?.with_pressure(WaterPressure::hydrostatic(-3.0, 9810.0)?);
 /// assert_eq!(water.stiffness(), 5.5e9);
 /// assert_eq!((water.pressure(-5.0), water.pressure(1.0)), (19_620.0, 0.0));
 /// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PoreWater {
     stiffness: f64,
-    /// Height z of the level (m) and weight per volume (N/m3).
-    level: Option<[f64; 2]>,
+    at_rest: Option<WaterPressure>,
 }
 
 impl PoreWater {
@@ -51,54 +54,81 @@ impl PoreWater {
         ParameterError::check("bulk_modulus", stiffness, f64::MIN_POSITIVE, f64::MAX)?;
         Ok(Self {
             stiffness,
-            level: None,
+            at_rest: None,
         })
     }
-    /// The same water with hydrostatic pressure in static states, below a level at a height z (m), for a weight per volume
-    /// (N/m3).
-    ///
-    /// # Errors
-    /// A level that is not finite, or a weight that is not positive.
-    pub fn with_level(self, level: f64, weight: f64) -> Result<Self, ParameterError> {
-        ParameterError::check("level", level, -f64::MAX, f64::MAX)?;
-        ParameterError::check("weight", weight, f64::MIN_POSITIVE, f64::MAX)?;
-        Ok(Self {
-            level: Some([level, weight]),
+    /// The same water with a pressure in static states.
+    #[must_use]
+    pub fn with_pressure(self, pressure: WaterPressure) -> Self {
+        Self {
+            at_rest: Some(pressure),
             ..self
-        })
+        }
+    }
+    /// The same water without pressure in static states.
+    #[must_use]
+    pub fn without_pressure(self) -> Self {
+        Self {
+            at_rest: None,
+            ..self
+        }
     }
     /// Pressure per volume strain of water that cannot flow (Pa).
     pub fn stiffness(&self) -> f64 {
         self.stiffness
     }
-    /// Height z of the level (m), if there is one.
-    pub fn level(&self) -> Option<f64> {
-        self.level.map(|[level, _]| level)
+    /// The pressure in static states by height, if there is one.
+    pub fn at_rest(&self) -> Option<&WaterPressure> {
+        self.at_rest.as_ref()
     }
     /// Pressure (Pa) at a height z (m) in static states.
     pub fn pressure(&self, height: f64) -> f64 {
-        self.level
-            .map_or(0.0, |[level, weight]| weight * (level - height).max(0.0))
+        (self.at_rest.as_ref()).map_or(0.0, |at_rest| at_rest.pressure(height))
+    }
+    /// Increase of the pressure per height z (Pa/m) at a height (m) in static states.
+    pub fn slope(&self, height: f64) -> f64 {
+        (self.at_rest.as_ref()).map_or(0.0, |at_rest| at_rest.slope(height))
     }
     /// The medium of a skeleton with water that cannot flow. Its density is that of the skeleton's medium: grains and water
     /// together.
     pub fn undrained(&self, skeleton: &ElasticMedium) -> ElasticMedium {
-        let (shear, bulk) = (skeleton.shear(), skeleton.bulk() + self.stiffness);
-        let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
-        ElasticMedium {
-            young: 2.0 * shear * (1.0 + poisson),
-            poisson,
-            density: skeleton.density,
-        }
+        undrained(skeleton, self.stiffness)
     }
 }
 
-/// History variables of the water, after those of the skeleton: volume strain at the last static state, and the pressure
-/// beyond that of static states.
-pub(super) const VARIABLES: [HistoryVariable; 2] = [
+/// The medium of a skeleton with water of a pressure per volume strain (Pa) that cannot flow.
+fn undrained(skeleton: &ElasticMedium, stiffness: f64) -> ElasticMedium {
+    let (shear, bulk) = (skeleton.shear(), skeleton.bulk() + stiffness);
+    let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+    ElasticMedium {
+        young: 2.0 * shear * (1.0 + poisson),
+        poisson,
+        density: skeleton.density,
+    }
+}
+
+/// Whether the water in pores flows in static states.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drainage {
+    /// It flows, and what its pressure had risen by is gone.
+    #[default]
+    Drained,
+    /// It cannot flow, as in dynamic steps.
+    Undrained,
+}
+
+/// History variables of the water, after those of the skeleton: volume strain and vertical effective stress at the last drained
+/// state, and the pressure beyond that of drained states, the only one that undrained states change.
+pub(super) const VARIABLES: [HistoryVariable; 3] = [
     HistoryVariable::component("volume_strain_at_rest", "1"),
-    HistoryVariable::amount("excess_pore_pressure", "Pa"),
+    HistoryVariable::component("vertical_stress_at_rest", "Pa"),
+    EXCESS_PORE_PRESSURE,
 ];
+/// Places of the last two of them.
+const VERTICAL: usize = 1;
+const EXCESS: usize = 2;
+/// Component of stress along z.
+const ZZ: usize = 2;
 
 /// Volume strain (1).
 #[inline(always)]
@@ -106,32 +136,40 @@ fn volume<L: Lane>(strain: &[L; 6]) -> L {
     strain[0] + strain[1] + strain[2]
 }
 
+/// Pressure (Pa) beyond that of drained states: from the volume strain of the last of them, the strain, and the pressure per
+/// volume strain.
+#[inline(always)]
+fn rise<L: Lane>(at_rest: L, strain: &[L; 6], stiffness: L) -> L {
+    (at_rest - volume(strain)) * stiffness
+}
+
 /// Law of a skeleton with water in its pores; stresses are total ones, initial stresses effective ones.
 pub(super) struct Saturated<I: ?Sized> {
     skeleton: Arc<I>,
-    water: PoreWater,
+    /// Pressure of the water per volume strain (Pa).
+    stiffness: f64,
     is_drained: bool,
     history: Arc<[HistoryVariable]>,
 }
 
 impl<I: ?Sized + ErasedLaw> Saturated<I> {
-    /// The law of a skeleton, drained or not.
-    pub(super) fn new(skeleton: Arc<I>, water: PoreWater, is_drained: bool) -> Self {
+    /// The law of a skeleton with a pressure of the water per volume strain (Pa), drained or not.
+    pub(super) fn new(skeleton: Arc<I>, stiffness: f64, is_drained: bool) -> Self {
         let history = skeleton.history().iter().chain(&VARIABLES);
         let history = history.copied().collect();
         Self {
             skeleton,
-            water,
+            stiffness,
             is_drained,
             history,
         }
     }
-    /// Growth of the pressure since the last static state, at a strain and with the history of a point.
+    /// Growth of the pressure since the last drained state, at a strain and with the history of a point.
     fn excess(&self, strain: &Strain, history: &[f64]) -> f64 {
         let at_rest = history[self.skeleton.history().len()];
         match self.is_drained {
             true => 0.0,
-            false => -self.water.stiffness * (volume(&strain.0) - at_rest),
+            false => rise(at_rest, &strain.0, self.stiffness),
         }
     }
     /// The input of the skeleton.
@@ -149,7 +187,7 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
         let skeleton = self.skeleton.medium();
         match self.is_drained {
             true => skeleton,
-            false => self.water.undrained(&skeleton),
+            false => undrained(&skeleton, self.stiffness),
         }
     }
     fn is_linear(&self) -> bool {
@@ -175,14 +213,15 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
         let excess = self.excess(&input.strain, input.history);
         let (of_skeleton, of_water) = new_history.split_at_mut(self.skeleton.history().len());
         let mut stress = (self.skeleton).stress_change(&self.of_skeleton(input), of_skeleton);
+        let vertical = input.initial.0[ZZ] + stress.0[ZZ];
         for normal in &mut stress.0[..3] {
             *normal -= excess;
         }
-        let at_rest = match self.is_drained {
-            true => volume(&input.strain.0),
-            false => input.history[of_skeleton.len()],
-        };
-        of_water.copy_from_slice(&[at_rest, excess]);
+        let old = &input.history[of_skeleton.len()..];
+        of_water.copy_from_slice(&match self.is_drained {
+            true => [volume(&input.strain.0), vertical, excess],
+            false => [old[0], old[VERTICAL], excess],
+        });
         stress
     }
     fn energy(&self, input: &LawInput<f64>, new_history: &[f64]) -> Option<LawEnergy<f64>> {
@@ -191,7 +230,7 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
             .skeleton
             .energy(&self.of_skeleton(input), of_skeleton)?;
         let excess = self.excess(&input.strain, input.history);
-        let stored = energy.stored + 0.5 * excess * excess / self.water.stiffness;
+        let stored = energy.stored + 0.5 * excess * excess / self.stiffness;
         let energy = LawEnergy::stored(stored)
             .with_plastic(energy.plastic)
             .with_damage(energy.damage)
@@ -212,7 +251,7 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
         if !self.is_drained {
             for row in &mut tangent[..3] {
                 for stiffness in &mut row[..3] {
-                    *stiffness += self.water.stiffness;
+                    *stiffness += self.stiffness;
                 }
             }
         }
@@ -266,8 +305,9 @@ impl<I: ?Sized + BatchLaw<S>, S: BatchScalar> BatchLaw<S> for Saturated<I> {
         lanes.dispatch(AddWater {
             first,
             points,
-            stiffness: self.water.stiffness,
+            stiffness: self.stiffness,
             is_drained: self.is_drained,
+            initial,
             missing: (found == Energies::None).then_some([medium.bulk(), medium.shear()]),
             strains,
             history,
@@ -281,7 +321,8 @@ impl<I: ?Sized + BatchLaw<S>, S: BatchScalar> BatchLaw<S> for Saturated<I> {
     }
     fn for_step(&self, length: f64) -> Arc<dyn BatchLaw<S>> {
         let skeleton = self.skeleton.for_step(length);
-        Arc::new(Saturated::new(skeleton, self.water, length <= 0.0))
+        let is_drained = self.is_drained && length <= 0.0;
+        Arc::new(Saturated::new(skeleton, self.stiffness, is_drained))
     }
     /// Leaves its lanes, for which the recording is refused.
     #[cfg(feature = "programs")]
@@ -302,6 +343,8 @@ struct AddWater<'a, 'm, S> {
     points: usize,
     stiffness: f64,
     is_drained: bool,
+    /// Six initial effective stresses (Pa) of each batch, or none.
+    initial: Option<&'a [S]>,
     /// Bulk and shear modulus (Pa) of a skeleton without energies, of which the stored one is computed.
     missing: Option<[f64; 2]>,
     strains: &'a [S],
@@ -327,12 +370,19 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
             let batch = self.first + b;
             for (p, strain) in strains.iter().enumerate() {
                 let old = committed(self.history.get(), zero, batch, p);
-                let new = match self.is_drained {
-                    true => [volume(strain), zero],
-                    false => [old[0], (old[0] - volume(strain)) * stiffness],
-                };
-                let excess = new[1];
                 let index = b * self.points + p;
+                let mut new = old;
+                if self.is_drained {
+                    let mut vertical = stresses[index][ZZ];
+                    if let Some(initial) = self.initial {
+                        let of_batch = &initial[(6 * b + ZZ) * L::WIDTH..];
+                        vertical = vertical + L::load(token, of_batch);
+                    }
+                    new = [volume(strain), vertical, zero];
+                } else {
+                    new[EXCESS] = rise(old[0], strain, stiffness);
+                }
+                let excess = new[EXCESS];
                 if let Some(energies) = energies.as_deref_mut() {
                     if let Some(moduli) = self.missing {
                         let stored = complementary_density(moduli, &stresses[index]);
@@ -345,7 +395,9 @@ impl<S: BatchScalar> BatchOperation<S> for AddWater<'_, '_, S> {
                     *normal = *normal - excess;
                 }
                 if let HistoryAccess::Write(history) = &mut *self.history {
-                    history.store_last(batch, p, &new, differ(&old, &new));
+                    let first = if self.is_drained { 0 } else { EXCESS };
+                    let (old, new) = (&old[first..], &new[first..]);
+                    history.store_last(batch, p, new, differ(old, new));
                 }
             }
         }
@@ -359,7 +411,7 @@ fn committed<L: BatchLane>(
     zero: L,
     batch: usize,
     point: usize,
-) -> [L; 2]
+) -> [L; VARIABLES.len()]
 where
     L::Scalar: BatchScalar,
 {
@@ -388,10 +440,10 @@ where
     ) -> L {
         let zero = strain.0[0].constant(0.0);
         let old = committed(self.history.get(), zero, batch, point);
-        let excess = (old[0] - volume(&strain.0)) * zero.constant(self.moduli.water);
+        let excess = rise(old[0], &strain.0, zero.constant(self.moduli.water));
         if let HistoryAccess::Write(history) = &mut self.history {
-            let new = [old[0], excess];
-            history.store_last(batch, point, &new, differ(&old[1..], &new[1..]));
+            let changed = differ(&old[EXCESS..], &[excess]);
+            history.store_last(batch, point, &[excess], changed);
         }
         excess
     }
@@ -415,8 +467,52 @@ where
     let stiffness = zero.constant(moduli.water);
     let mut pressures = [zero; P];
     for p in 0..P {
-        let [at_rest, _] = committed(history, zero, batch, p);
-        pressures[p] = (at_rest - volume(&strains[p].0)) * stiffness;
+        let [at_rest, ..] = committed(history, zero, batch, p);
+        pressures[p] = rise(at_rest, &strains[p].0, stiffness);
     }
     Some(pressures)
+}
+
+impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
+where
+    K: ElementKernel<N, P>,
+    S: NodeScalar,
+{
+    /// Element value of a variable of the water after the last forces, the mean over the volume of the element, so that mean
+    /// total stress plus pressure is mean effective stress; none if there is no water, and of other variables.
+    pub(super) fn shown_of_water(&self, element: usize, variable: &str) -> Option<f64> {
+        if self.moduli.water == 0.0 {
+            return None;
+        }
+        let mean = |which: usize| {
+            let weights = self.shares_of_points(element);
+            let place = self.history.variables() - VARIABLES.len() + which;
+            (self.history).weighted(&self.arrangement, element, place, &weights)
+        };
+        if variable == PORE_PRESSURE.name {
+            let still = self.pore_pressures.get(element).copied();
+            return Some(still.unwrap_or(0.0) + mean(EXCESS));
+        }
+        if variable == PORE_PRESSURE_RATIO.name {
+            let compression = -mean(VERTICAL);
+            return Some(match compression > 0.0 {
+                true => mean(EXCESS) / compression,
+                false => 0.0,
+            });
+        }
+        let which = VARIABLES.iter().position(|own| own.name == variable)?;
+        Some(mean(which))
+    }
+
+    /// Shares of the integration points in the volume of an element.
+    fn shares_of_points(&self, element: usize) -> [f64; P] {
+        if P == 1 {
+            return [1.0; P];
+        }
+        let mut numbers = vec![0.0; self.kernel.geometry_len()];
+        self.geometry_of(element, &mut numbers);
+        let volumes = (self.kernel).volumes(Geometry::<f64>::new((), &numbers));
+        let whole: f64 = volumes.iter().sum();
+        volumes.map(|volume| volume / whole)
+    }
 }

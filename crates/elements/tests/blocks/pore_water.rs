@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use powerhouse_elements::{AnyLaw, PoreWater};
-use powerhouse_model::ElasticDomain;
+use powerhouse_elements::{AnyLaw, Drainage, PoreWater, WaterPressure};
+use powerhouse_model::{ElasticDomain, PORE_PRESSURE, PORE_PRESSURE_RATIO};
 
 use super::*;
 
@@ -122,6 +122,154 @@ fn water_is_drained_in_static_states_and_cannot_flow_in_steps() {
     }
 }
 
+/// Undrained static states are those of the undrained medium, and steps go on from their pressure; in a drained state after them it
+/// is gone.
+#[test]
+fn water_of_undrained_static_states_takes_part() {
+    let skeleton = ElasticMedium::new(3e8, 0.2, 2100.0).unwrap();
+    for kernel in [
+        SolidKernel::Hex8Full,
+        SolidKernel::Wedge6,
+        SolidKernel::Tet4,
+    ] {
+        let of = |law| Fixture::new(kernel, law, BlockOptions::default());
+        let law = linear(skeleton).with_pore_water(water());
+        let mut wet = of(law.with_drainage(Drainage::Undrained));
+        let mut drained = of(law);
+        let (mut dry, mut stiff) = (
+            of(linear(skeleton)),
+            of(linear(water().undrained(&skeleton))),
+        );
+        let (first, further) = (wet.noise(3, 1e-3), wet.noise(4, 2e-4));
+        let (rest, both) = (zeros(first.len()), sum(&first, &further));
+        for operator in [Operator::Static, Operator::Elastic] {
+            let expected = stiff.apply(Operator::Elastic, &further);
+            let found = misfit(&wet.apply(operator, &further), &expected);
+            assert!(found < 1e-12, "{} {operator:?} {found:e}", kernel.name());
+        }
+        let found = misfit(&wet.static_forces(&first), &stiff.static_forces(&first));
+        assert!(found < 1e-12, "{} {found:e}", kernel.name());
+        wet.block.commit();
+        let found = misfit(&wet.forces(&both, &rest), &stiff.forces(&both, &rest));
+        assert!(found < 1e-12, "{} {found:e}", kernel.name());
+        wet.block.commit();
+        // The same state in a block that is drained at rest.
+        drained.block.set_history(&wet.block.history());
+        let found = misfit(&drained.static_forces(&both), &dry.static_forces(&both));
+        assert!(found < 1e-12, "{} {found:e}", kernel.name());
+        drained.block.commit();
+        for element in 0..drained.block.elements().len() {
+            let shown =
+                |block: &Fixture| block.block.shown_history(element, "excess_pore_pressure");
+            assert_eq!(shown(&drained), Some(0.0));
+            assert!(shown(&wet).unwrap().abs() > 1.0);
+        }
+    }
+}
+
+/// Mean total stress plus the pressure that a block shows is mean effective stress, in elements of any shape; the ratio of the
+/// excess pressure is that to the vertical effective stress of the last drained state.
+#[test]
+fn blocks_show_the_pressure_of_their_water() {
+    let skeleton = ElasticMedium::new(3e8, 0.2, 2100.0).unwrap();
+    let level = water().with_pressure(WaterPressure::hydrostatic(3.5, 9810.0).unwrap());
+    for kernel in [
+        SolidKernel::Hex8Full,
+        SolidKernel::Wedge6,
+        SolidKernel::Tet4,
+    ] {
+        let of = |law| Fixture::new(kernel, law, BlockOptions::default());
+        let mut wet = of(linear(skeleton).with_pore_water(level.clone()));
+        let mut dry = of(linear(skeleton));
+        let count = wet.block.elements().len();
+        let initial = Stress([-1e6, -1e6, -2e6, 0.0, 0.0, 0.0]);
+        wet.block.set_initial_stress(&vec![initial; count]);
+        let (still, moved) = (wet.noise(5, 2e-4), wet.noise(6, 2e-4));
+        let (rest, both) = (zeros(still.len()), sum(&still, &moved));
+        wet.static_forces(&still);
+        wet.block.commit();
+        dry.static_forces(&still);
+        let at_rest = dry.stress(&still);
+        wet.forces(&both, &rest);
+        let (total, effective) = (wet.stress(&both), dry.stress(&both));
+        let (mut below, mut compressed) = (0, 0);
+        for element in 0..count {
+            let height = wet.mesh.centroid(element as u32).z;
+            let hydrostatic = 9810.0 * (3.5 - height).max(0.0);
+            below += usize::from(hydrostatic > 0.0);
+            let shown = |name| wet.block.shown_history(element, name).unwrap();
+            let pressure = shown(PORE_PRESSURE.name);
+            let size = pressure.abs();
+            for i in 0..3 {
+                let found = total[element].0[i] + pressure - hydrostatic;
+                let off = (found - effective[element].0[i]).abs();
+                assert!(off < 1e-9 * size, "{} {off:e}", kernel.name());
+            }
+            let vertical = initial.0[2] + hydrostatic + at_rest[element].0[2];
+            let found = shown("vertical_stress_at_rest");
+            assert!((found - vertical).abs() < 1e-6, "{found} {vertical}");
+            let excess = shown("excess_pore_pressure");
+            assert!((excess + hydrostatic - pressure).abs() < 1e-9 * size);
+            let ratio = if vertical < 0.0 {
+                -excess / vertical
+            } else {
+                0.0
+            };
+            compressed += usize::from(vertical < 0.0);
+            assert!((shown(PORE_PRESSURE_RATIO.name) - ratio).abs() < 1e-9 * ratio.abs());
+        }
+        assert!(
+            below > 0 && below < count && compressed > 0,
+            "{below} {compressed}"
+        );
+        // Pressures by element of the mesh stand for those below the level.
+        let given: Vec<Option<f64>> = (0..count).map(|e| (e % 2 == 0).then_some(7e3)).collect();
+        let law = linear(skeleton).with_pore_water(level.clone());
+        let given = of(law.with_pore_pressures(given.into()));
+        for element in 0..count {
+            let height = given.mesh.centroid(element as u32).z;
+            let expected = match element % 2 {
+                0 => 7e3,
+                _ => 9810.0 * (3.5 - height).max(0.0),
+            };
+            let found = given.block.shown_history(element, PORE_PRESSURE.name);
+            assert!(
+                (found.unwrap() - expected).abs() < 1e-9,
+                "{found:?} {expected}"
+            );
+        }
+        assert_eq!(dry.block.shown_history(0, PORE_PRESSURE.name), None);
+    }
+}
+
+/// A table has straight lines between its heights and its ends beyond them; a bend has the slope below it, as a level has.
+#[test]
+fn pressures_follow_a_table() {
+    let table = WaterPressure::table(&[[2.0, 0.0], [-3.0, 5e4], [-4.0, 4e4]]).unwrap();
+    for (height, pressure, slope) in [
+        (3.0, 0.0, 0.0),
+        (2.0, 0.0, -1e4),
+        (0.0, 2e4, -1e4),
+        (-3.0, 5e4, 1e4),
+        (-3.5, 4.5e4, 1e4),
+        (-5.0, 4e4, 0.0),
+    ] {
+        let found = (table.pressure(height), table.slope(height));
+        assert_eq!(found, (pressure, slope), "{height}");
+    }
+    assert_eq!((table.range(), table.level()), ([-4.0, 2.0], None));
+    let level = WaterPressure::hydrostatic(1.0, 1e4).unwrap();
+    assert_eq!((level.slope(1.0), level.slope(1.5)), (-1e4, 0.0));
+    for (wrong, name) in [
+        (&[[1.0, 0.0]][..], "number of heights"),
+        (&[[1.0, 0.0], [1.0, 2.0]], "height"),
+        (&[[1.0, 0.0], [f64::NAN, 2.0]], "height"),
+        (&[[1.0, 0.0], [0.0, -2.0]], "pressure"),
+    ] {
+        assert_eq!(WaterPressure::table(wrong).unwrap_err().name, name);
+    }
+}
+
 /// Law whose stress does not change, and whose history is the effective stress that it sees.
 #[derive(Clone)]
 struct Watching(ElasticMedium);
@@ -155,9 +303,9 @@ impl ConstitutiveLaw for Watching {
 /// total stress is its own less the growth of the pressure.
 #[test]
 fn laws_see_effective_stress() {
-    let wet = water().with_level(3.5, 9810.0).unwrap();
+    let wet = water().with_pressure(WaterPressure::hydrostatic(3.5, 9810.0).unwrap());
     for kernel in [SolidKernel::Hex8Full, SolidKernel::Hex8Natural] {
-        let law = AnyLaw::new(Watching(rock())).with_pore_water(wet);
+        let law = AnyLaw::new(Watching(rock())).with_pore_water(wet.clone());
         let mut fixture = Fixture::new(kernel, law, BlockOptions::default());
         let initial = |element: usize| Stress([-1e5 - element as f64, -2e5, -3e5, 4e4, 0.0, 0.0]);
         let count = fixture.block.elements().len();

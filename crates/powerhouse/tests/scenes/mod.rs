@@ -53,3 +53,6 @@ mod stages;
 mod stages_at_rest;
 mod support;
 mod surroundings;
+mod undrained;
+mod water_results;
+mod water_stages;

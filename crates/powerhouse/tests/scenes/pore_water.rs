@@ -1,6 +1,6 @@
 //! Water in the pores of the ground: effective stress, stages and runs.
 
-use powerhouse::engine::PoreWater;
+use powerhouse::engine::{PoreWater, WaterPressure};
 use powerhouse::material::{
     Control, ElastoPlastic, MohrCoulomb, MohrCoulombParameters, PointDriver,
 };
@@ -27,7 +27,7 @@ fn undrained_strength_is_that_of_the_effective_path() {
     let dry = Material::from(ElastoPlastic::new(surface));
     for (bulk_modulus, pressure) in [(2.2e9, 100e3), (1e7, 100e3), (2.2e9, 250e3)] {
         let water = PoreWater::new(bulk_modulus, 0.4).unwrap();
-        let law = PointAdapter::new(dry.with_pore_water(water).law().clone());
+        let law = PointAdapter::new(dry.with_pore_water(water.clone()).law().clone());
         let start = Stress([-pressure, -pressure, -pressure, 0.0, 0.0, 0.0]);
         let mut point = PointDriver::new(law).with_initial(start).unwrap();
         let states = point
@@ -156,7 +156,8 @@ fn water_in_pores_is_refused_by_name_and_described() {
         ("{ porosity = 1.2 }", "above 0 and at most 1"),
         ("{ level = -5 }", "porosity"),
         ("{ porosity = 0.2, bulk_modulus = -1 }", "a number above 0"),
-        ("{ porosity = 0.2, permeability = 1e-6 }", "permeability"),
+        ("{ porosity = 0.2, permeability = 0 }", "a number above 0"),
+        ("{ porosity = 0.2, conductivity = 1e-6 }", "conductivity"),
     ] {
         let message = refused(water);
         assert!(message.contains(wanted), "{water}: {message}");
@@ -176,6 +177,44 @@ fn water_in_pores_is_refused_by_name_and_described() {
         "in the run no water flows",
     ] {
         assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+}
+
+/// With a permeability the scene says how far pressure spreads during the run, and warns where much of it would flow away.
+#[test]
+fn the_time_of_consolidation_is_compared_with_the_run() {
+    let variants = Variants::new("seepage");
+    let remark = |permeability: f64| {
+        let water = format!("pore_water = {{ porosity = 0.2, permeability = {permeability:e} }}\n");
+        let scene = variants
+            .read(ELASTIC, &format!("{ELASTIC}{water}"))
+            .unwrap();
+        let mut remarks = scene.remarks().iter();
+        let found = remarks.find(|remark| matches!(remark, Remark::PoreWater(_)));
+        found.unwrap().clone()
+    };
+    let skeleton = ElasticMedium::new(9e9, 0.27, 2750.0).unwrap();
+    let modulus = skeleton.p_speed().powi(2) * 2750.0;
+    // Half of the cube is the way; sqrt(4 T / pi) = 10 % of it at the limit.
+    let limit = core::f64::consts::PI / 400.0 * 150.0 * 150.0 / 0.6 * 9810.0 / modulus;
+    for (share, warns) in [(1e-6, false), (0.98, false), (1.02, true), (1e3, true)] {
+        let found = remark(share * limit);
+        assert_eq!(found.is_warning(), warns, "{found}");
+        let Remark::PoreWater(material) = &found else {
+            panic!("{found}");
+        };
+        let seepage = material.seepage.unwrap();
+        let distance = (share * limit * modulus / 9810.0 * 0.6).sqrt();
+        assert!((seepage.distance() / distance - 1.0).abs() < 1e-12);
+        let expected = (0.1 * share.sqrt()).min(1.0);
+        assert!((seepage.share() / expected - 1.0).abs() < 1e-12, "{found}");
+        let text = found.to_string();
+        assert_eq!(
+            text.contains("the ground is not undrained"),
+            warns,
+            "{text}"
+        );
+        assert!(text.contains("from a body of 300 m"), "{text}");
     }
 }
 
@@ -233,7 +272,8 @@ fn lateral_ratios_hold_between_effective_stresses() {
         unit_weight: 2e4,
         lateral: [0.5, 0.5],
     };
-    let flooded = InSituStress::layers_in_water(0.0, &[layer], (3.0, 1e4)).unwrap();
+    let lake = WaterPressure::hydrostatic(3.0, 1e4).unwrap();
+    let flooded = InSituStress::layers_in_water(0.0, &[layer], &lake).unwrap();
     let InSituStress::Layers(fields) = flooded else {
         panic!("layers")
     };

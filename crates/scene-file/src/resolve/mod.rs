@@ -12,6 +12,7 @@ mod mesh;
 mod motion;
 mod origin;
 mod output;
+pub(crate) mod pore_water;
 mod record;
 mod stages;
 mod stations;
@@ -29,7 +30,7 @@ use powerhouse_laws::Material;
 use powerhouse_scene::internal::{Leapfrog, NamedThing, OneSided, sets_with};
 use powerhouse_scene::{
     Boundary, Error, Fault, InitialMotion, Magnitude, MagnitudeOf, Part, Problem, Remark,
-    SampledRequest, SaturatedMaterial, Scene, SceneRemark, SceneText, TimeStep,
+    SampledRequest, Scene, SceneRemark, SceneText, TimeStep,
 };
 
 pub(crate) use draft::Draft;
@@ -169,7 +170,10 @@ pub(crate) fn compose(
     }
     scene.remarks.extend(unused::records(file));
     scene.remarks.extend(unused::materials(file));
-    scene.remarks.extend(waters(&materials));
+    pore_water::check_heights(&mesh, file, &materials)?;
+    scene
+        .remarks
+        .extend(pore_water::waters(&mesh, file, &materials));
     scene.remarks.extend(empty_sets(&names, file));
     let of_layers = equivalent_linear::apply(file, &mut scene, &records, &mut materials)?;
     scene = ground::field((text, file), scene, &records, &materials, &of_layers)?;
@@ -308,34 +312,25 @@ fn materials(file: &SceneSpec, registry: &Registry) -> Result<BTreeMap<String, M
     let mut materials = BTreeMap::new();
     for table in &file.materials {
         let material = registry.material(table)?;
-        let level = table
-            .pore_water
-            .as_ref()
-            .and_then(|water| water.level.as_ref());
-        if let (Some(level), None) = (level, &file.in_situ_stress) {
+        let level = table.pore_water.as_ref().and_then(|water| {
+            let level = water
+                .level
+                .as_ref()
+                .map(|level| (level.span(), "a water level"));
+            let table = water.pressures.as_ref();
+            level.or(table.map(|table| (table.span(), "pressures of water")))
+        });
+        if let (Some((span, what)), None) = (level, &file.in_situ_stress) {
             let problem = Problem::Value {
-                found: "a water level in a scene without [in_situ_stress]".into(),
+                found: format!("{what} in a scene without [in_situ_stress]"),
                 expected: "an in-situ stress of total stresses, from which the pressure of the water is taken, or no level"
                     .into(),
             };
-            return Err(Fault::new(level.span(), problem));
+            return Err(Fault::new(span, problem));
         }
         unique("material", &table.name, &mut materials, material)?;
     }
     Ok(materials)
-}
-
-/// Facts about materials with water in their pores.
-fn waters(materials: &BTreeMap<String, Material>) -> impl Iterator<Item = Remark> {
-    materials.iter().filter_map(|(name, material)| {
-        let water = material.pore_water()?;
-        Some(Remark::PoreWater(SaturatedMaterial {
-            name: name.clone(),
-            stiffness: water.stiffness(),
-            speeds: [material.law().skeleton(), material.medium()].map(|medium| medium.p_speed()),
-            level: water.level(),
-        }))
-    })
 }
 
 fn parts(

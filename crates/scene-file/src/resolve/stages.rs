@@ -3,19 +3,21 @@
 use super::draft::Draft;
 use std::collections::BTreeMap;
 
-use powerhouse_elements::{BoltLine, BoltParameters, BoltPattern};
+use powerhouse_elements::{BoltLine, BoltParameters, BoltPattern, WaterPressure};
 #[cfg(feature = "direct")]
 use powerhouse_model::Linearisation;
 use powerhouse_model::{Facet, Mesh, StaticMethod, StaticOptions, Stress, StressField, Support};
 
 use super::loads::{self, direction, mean_normal};
+use super::pore_water::given_pressure;
 use super::{Names, named, one_of, vector};
 use crate::spans::StageSpans;
-use crate::spec::{self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport, water_weight};
+use crate::spec::{self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport};
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::{GRAVITY, Timeline, check_removal, surface_of};
 use powerhouse_scene::{
-    BoltLayout, Fault, InSituStress, Problem, SceneBolts, SceneStage, SceneText, WeightLayer,
+    BoltLayout, Fault, InSituStress, Problem, SceneBolts, SceneStage, SceneText, StageWater,
+    WeightLayer,
 };
 
 /// Young's modulus of steel (Pa).
@@ -116,6 +118,15 @@ fn stage_spans(file: &SceneSpec) -> StageSpans {
         for part in &stage.parts {
             put(of_stage, "part", part.set.as_str(), part.set.span());
         }
+        for water in &stage.water {
+            match &water.set {
+                Some(set) => put(of_stage, "water", set.as_str(), set.span()),
+                None => put(of_stage, "water", "", water.span()),
+            }
+        }
+        if let Some(undrained) = &stage.undrained {
+            put(of_stage, "undrained", "", undrained.span());
+        }
         if let Some(tolerance) = &stage.tolerance {
             put(of_stage, "options", "tolerance", tolerance.span());
         }
@@ -159,7 +170,7 @@ fn in_situ(
                         unit_weight,
                         lateral,
                     };
-                    InSituStress::layers_in_water(level, &[layer], ground_water(water))
+                    InSituStress::layers_in_water(level, &[layer], &ground_water(stress, water)?)
                 }
             };
             found.map_err(|error| Fault::refused(stress.span(), error))
@@ -173,7 +184,8 @@ fn in_situ(
             let found = match water {
                 None => InSituStress::layers(level.get(), &layers),
                 Some(water) => {
-                    InSituStress::layers_in_water(level.get(), &layers, ground_water(water))
+                    let water = ground_water(stress, water)?;
+                    InSituStress::layers_in_water(level.get(), &layers, &water)
                 }
             };
             found.map_err(|error| Fault::refused(stress.span(), error))
@@ -195,9 +207,13 @@ fn in_situ(
     }
 }
 
-/// Level (m) and weight per volume (N/m3) of the water in the ground.
-fn ground_water(water: &spec::GroundWater) -> (f64, f64) {
-    (water.level.get(), water_weight(water.density))
+/// Pressure of the water in the ground of an in-situ stress.
+fn ground_water(
+    stress: &At<spec::InSituStress>,
+    water: &spec::GroundWater,
+) -> Result<WaterPressure, Fault> {
+    let keys = (&water.level, &water.pressures, water.density);
+    given_pressure(stress.span(), keys)
 }
 
 /// Layers of ground under their own weight, each below the one before, of which the last alone has no lower end.
@@ -329,7 +345,8 @@ fn stage(
     table: &spec::Stage,
     materials: &BTreeMap<String, Material>,
 ) -> Result<SceneStage, Fault> {
-    for set in table.excavate.iter().chain(&table.cast) {
+    let of_water = table.water.iter().filter_map(|water| water.set.as_ref());
+    for set in table.excavate.iter().chain(&table.cast).chain(of_water) {
         names.elements(set)?;
     }
     let mut stage = SceneStage::new(table.name.to_string());
@@ -362,6 +379,21 @@ fn stage(
                 Support::roller(names.nodes(set)?, normal)
             }
         });
+    }
+    for water in &table.water {
+        let keys = (&water.level, &water.pressures, water.density);
+        let level = StageWater::new(given_pressure(water.span(), keys)?);
+        stage = stage.water(match &water.set {
+            Some(set) => level.within(set.to_string()),
+            None => level,
+        });
+    }
+    if table
+        .undrained
+        .as_ref()
+        .is_some_and(|undrained| **undrained)
+    {
+        stage = stage.undrained();
     }
     let mut options = StaticOptions::default();
     if let Some(method) = &table.method {

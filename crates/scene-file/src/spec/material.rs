@@ -34,10 +34,16 @@ pub struct PoreWater {
     /// Height z of the water level (m), for which the scene must have an in-situ stress, of total stresses; without it
     /// there is no pressure at the start of the run. Above it the pores are full, too, without pressure at the start.
     pub level: Option<At<Finite>>,
+    /// Pressures by height in place of a level: pairs of height z (m) and pressure (Pa, 0 or above) from the top downwards, two or
+    /// more, with straight lines between. The table reaches over the centres of all elements of the material.
+    pub pressures: Option<At<Vec<[Finite; 2]>>>,
     /// Bulk modulus of the water (Pa), above 0; 2.2e9 by default, less where there is gas in it.
     pub bulk_modulus: Option<At<Positive>>,
     /// Density of the water (kg/m3), above 0; 1000 by default.
     pub density: Option<Positive>,
+    /// Permeability of the ground for water (hydraulic conductivity, m/s), above 0: from it `check` states how far pressures spread
+    /// during the run, in which no water flows, and warns where that is wrong. Unknown by default.
+    pub permeability: Option<Positive>,
 }
 
 /// Part: an element set with its material, element kernel and damping.

@@ -80,7 +80,8 @@ pub use record_set::{FragilityCurve, RecordCase, RecordSet, SetComponents};
 pub use reference::Reference;
 pub use residual::Residual;
 pub use stage::{
-    Bolt, BoltEnd, GroundWater, InSituStress, Stage, StageSupport, StaticMethod, StressLayer,
+    Bolt, BoltEnd, GroundWater, InSituStress, Stage, StageSupport, StageWater, StaticMethod,
+    StressLayer,
 };
 pub use stations::{Interpolation, StationAxis, Stations};
 pub use target::{Ground8, RecordSpectrum, Site, SpectrumMeans, Target};

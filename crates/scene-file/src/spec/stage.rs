@@ -61,9 +61,12 @@ pub enum InSituStress {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct GroundWater {
-    /// Height z of the water level (m).
-    pub level: Finite,
-    /// Density of the water (kg/m3), above 0; 1000 by default.
+    /// Height z of the water level (m), or a table of `pressures`.
+    pub level: Option<At<Finite>>,
+    /// Pressures by height in place of a level: pairs of height z (m) and pressure (Pa, 0 or above) from the top downwards, two or
+    /// more, with straight lines between.
+    pub pressures: Option<At<Vec<[Finite; 2]>>>,
+    /// Density of the water (kg/m3) below a level, above 0; 1000 by default.
     pub density: Option<Positive>,
 }
 
@@ -197,6 +200,14 @@ pub struct Stage {
     /// closed, with the bond of its law everywhere. Opening, slip and energies are counted from there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub grouted: Vec<At<String>>,
+    /// Water levels of ground with `pore_water`, in force in later stages and in the run: the change of the pressure loads the
+    /// ground, as dewatering and impounding do. Elements that a stage casts are without pressure until a later stage names a level.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub water: Vec<At<StageWater>>,
+    /// Whether the water in pores cannot flow in this stage, as in the run: its pressure rises with the decrease of volume since
+    /// the last drained stage, and in the next drained stage that rise is gone; `false` by default. Not beside `water`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub undrained: Option<At<bool>>,
     /// Temporary materials of parts, in force until a later stage casts the part or gives it another one, or the
     /// dynamic run starts.
     #[serde(rename = "part", default, skip_serializing_if = "Vec::is_empty")]
@@ -207,6 +218,22 @@ pub struct Stage {
     /// Loads added in this stage, in force in later stages and in the run unless `removed_in` names a stage.
     #[serde(rename = "load", default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<At<Load>>,
+}
+
+/// Water level of ground with water in its pores, from a construction stage on.
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct StageWater {
+    /// Element set; without it all ground with `pore_water` for which the stage has no other level.
+    pub set: Option<At<String>>,
+    /// Height z of the water level (m), below which the pressure is hydrostatic, zero above; or a table of `pressures`.
+    pub level: Option<At<Finite>>,
+    /// Pressures by height in place of a level: pairs of height z (m) and pressure (Pa, 0 or above) from the top downwards, two or
+    /// more, with straight lines between. The table reaches over the centres of all elements.
+    pub pressures: Option<At<Vec<[Finite; 2]>>>,
+    /// Density of the water (kg/m3) below a level, above 0; 1000 by default.
+    pub density: Option<Positive>,
 }
 
 /// Method of computing static equilibrium.

@@ -29,5 +29,5 @@ pub use plan::{
 pub use results::Results;
 pub(crate) use results::{FinishedRun, Recordings};
 pub use rings::RingRequest;
-pub(crate) use state_variables::StateVariables;
+pub(crate) use state_variables::{StateVariables, add_variables, shown_variables};
 pub use table_sink::{RunTable, TableSink};

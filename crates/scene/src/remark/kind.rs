@@ -76,6 +76,7 @@ impl Remark {
             } => padding != waves,
             Self::Scene(warning) => warning.is_warning(),
             Self::AddedWater(water) => water.is_warning(),
+            Self::PoreWater(material) => material.is_warning(),
             Self::Split { report, .. } => {
                 report.condition > LARGE_CONDITION || report.misfit > LARGE_MISFIT
             }
@@ -119,7 +120,6 @@ impl Remark {
             | Self::ReducedStrength { .. } => true,
             Self::RecordSource { .. }
             | Self::FlatDamping { .. }
-            | Self::PoreWater(_)
             | Self::Rim { .. }
             | Self::Conversion { .. }
             | Self::QuietStart { .. }

@@ -9,7 +9,7 @@ mod text;
 
 pub use equivalent_layer::EquivalentLayer;
 pub use record_spectrum::RecordSpectrumReport;
-pub use saturated::SaturatedMaterial;
+pub use saturated::{SaturatedMaterial, Seepage};
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;

@@ -11,11 +11,11 @@ pub enum StagingError {
     #[error("another stage has the same name")]
     SameName,
     /// Element set that does not exist.
-    #[error("there is no element set '{set}' to {what}")]
+    #[error("there is no element set '{set}' to {}", match *what { "water" => "give a water level", other => other })]
     NoSuchSet {
         /// Name of the element set.
         set: String,
-        /// Operation: `excavate` or `cast`.
+        /// Operation: `excavate`, `cast` or `water`.
         what: &'static str,
     },
     /// Element of an excavated set that is not active: excavated by an earlier stage and not cast since.
@@ -120,6 +120,62 @@ pub enum StagingError {
         /// First stage in which the load acts.
         first: String,
     },
+    /// Water level of an element set without present elements that have water in their pores.
+    #[error(
+        "no element of set '{set}' is active in this stage and has water in its pores: give its material `pore_water`"
+    )]
+    NoWater {
+        /// Element set.
+        set: String,
+    },
+    /// Element with two water levels in one stage.
+    #[error("element {element} of set '{set}' has another water level in the same stage already")]
+    TwoLevels {
+        /// Element set of the second level.
+        set: String,
+        /// Number of the element in the mesh file.
+        element: u64,
+    },
+    /// Two water levels of one stage that are of no element set.
+    #[error("two water levels of the stage name no set: one of them may be for all other ground")]
+    TwoGeneralLevels,
+    /// Water level of an element that the same stage casts.
+    #[error(
+        "element {element} of set '{set}' is cast in this stage, with pores without pressure: give it a water level in a later stage"
+    )]
+    LevelOfCast {
+        /// Element set.
+        set: String,
+        /// Number of the element in the mesh file.
+        element: u64,
+    },
+    /// Element of which the height is not in the table of pressures of a stage.
+    #[error(
+        "element {element} has its centre at z = {height} m, and the table of pressures reaches from {} to {} m", range[0], range[1]
+    )]
+    BeyondTable {
+        /// Element set of the table; empty for all ground.
+        set: String,
+        /// Number of the element in the mesh file.
+        element: u64,
+        /// Height z of its centre (m).
+        height: f64,
+        /// Lowest and highest height of the table (m).
+        range: [f64; 2],
+    },
+    /// Water level in an undrained stage.
+    #[error(
+        "a water level in an undrained stage: where no water flows the level cannot change; let a drained stage come before"
+    )]
+    UndrainedLevel,
+    /// Undrained stage, or a water level, of a body without water in its pores.
+    #[error("{what} in a body without water in its pores: give a material `pore_water`")]
+    Dry {
+        /// Key that concerns water: `undrained` or `water`.
+        key: &'static str,
+        /// Subject: `an undrained stage` or `a water level`.
+        what: &'static str,
+    },
     /// Option of the static analysis outside its permitted range.
     #[error(transparent)]
     Options(#[from] ParameterError),
@@ -171,6 +227,12 @@ impl StagingError {
                 ("bolt", name)
             }
             Self::Bolts { name, .. } => ("bolt", name),
+            Self::NoWater { set }
+            | Self::TwoLevels { set, .. }
+            | Self::LevelOfCast { set, .. }
+            | Self::BeyondTable { set, .. } => ("water", set),
+            Self::TwoGeneralLevels | Self::UndrainedLevel => ("water", ""),
+            Self::Dry { key, .. } => (key, ""),
             Self::NoSuchJoint { name } => ("joint", name),
             Self::NoSuchStage { name } | Self::RemovedEarly { name, .. } => ("removed_in", name),
             Self::Preload { joint } => ("preload", joint),

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use powerhouse_elements::WaterPressure;
 use powerhouse_io::{IoError, TableColumn, read_table};
 use powerhouse_model::{Mesh, ParameterError, Stress, StressField, Vec3};
 use thiserror::Error;
@@ -61,43 +62,42 @@ impl InSituStress {
         Ok(fields)
     }
 
-    /// The total geostatic stress of horizontal layers with water in their pores below a height (m), of a weight per volume
-    /// (N/m3): vertical stress is the weight of what lies above, water included, and the ratios of the layers hold between
-    /// effective stresses.
+    /// The total geostatic stress of horizontal layers with water in their pores: vertical stress is the weight of what lies above,
+    /// water included, and the ratios of the layers hold between effective stresses.
     ///
     /// # Errors
-    /// As [`layers`](Self::layers), and a level or weight of the water outside its range.
+    /// As [`layers`](Self::layers).
     pub fn layers_in_water(
         level: f64,
         layers: &[WeightLayer],
-        (water_level, water_weight): (f64, f64),
+        water: &WaterPressure,
     ) -> Result<Self, ParameterError> {
-        ParameterError::check("water level", water_level, -f64::MAX, f64::MAX)?;
-        ParameterError::check("water weight", water_weight, 0.0, f64::MAX)?;
-        // The layer in which the water level lies is divided there.
-        let mut divided = Vec::with_capacity(layers.len() + 1);
+        // Layers are divided where the slope of the pressure changes.
+        let bends = water.bends();
+        let mut divided = Vec::with_capacity(layers.len() + bends.len());
         let mut top = level;
         for (index, layer) in layers.iter().enumerate() {
             let is_last = index + 1 == layers.len();
-            if water_level < top && (is_last || layer.bottom < water_level) {
-                divided.push(WeightLayer {
-                    bottom: water_level,
-                    ..*layer
-                });
+            for &bend in &bends {
+                if bend < top && (is_last || layer.bottom < bend) {
+                    divided.push(WeightLayer {
+                        bottom: bend,
+                        ..*layer
+                    });
+                    top = bend;
+                }
             }
             divided.push(*layer);
             top = layer.bottom;
         }
         let mut fields = Self::fields_of(level, &divided)?;
         for (field, layer) in fields.iter_mut().zip(&divided) {
-            if field.surface > water_level {
-                continue;
-            }
-            // Pressure at the upper end of the layer; sigma = K0 (sigma_z + p) - p.
-            let pressure = water_weight * (water_level - field.surface);
+            // Pressure at the upper end of the layer, and its increase with depth; sigma = K0 (sigma_z + p) - p.
+            let pressure = water.pressure(field.surface);
+            let increase = -water.slope(field.surface);
             for (axis, share) in layer.lateral.into_iter().enumerate() {
                 field.at_surface.0[axis] -= (1.0 - share) * pressure;
-                field.gradient.0[axis] -= (1.0 - share) * water_weight;
+                field.gradient.0[axis] -= (1.0 - share) * increase;
             }
         }
         Ok(Self::Layers(fields))

@@ -4,6 +4,9 @@ use std::sync::Arc;
 
 use powerhouse_model::{NodalLoad, Renewal, StaticOptions, Support, TimeFunction, Vec3};
 
+use powerhouse_elements::Drainage;
+
+use super::StageWater;
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::joint::Closing;
 use powerhouse_laws::Material;
@@ -43,6 +46,8 @@ pub struct SceneStage {
     pub(crate) bolts: Vec<String>,
     pub(crate) tied: Vec<String>,
     pub(crate) bonded: Vec<String>,
+    pub(crate) water: Vec<StageWater>,
+    pub(crate) drainage: Drainage,
     pub(crate) options: StaticOptions,
 }
 
@@ -60,6 +65,8 @@ impl SceneStage {
             bolts: Vec::new(),
             tied: Vec::new(),
             bonded: Vec::new(),
+            water: Vec::new(),
+            drainage: Drainage::Drained,
             options: StaticOptions::default(),
         }
     }
@@ -139,6 +146,20 @@ impl SceneStage {
     #[must_use]
     pub fn bond<N: Into<String>>(mut self, joint: N) -> Self {
         self.bonded.push(joint.into());
+        self
+    }
+    /// Sets a water level of ground with water in its pores, in this stage, later ones and the dynamic run: the change of its
+    /// pressure loads the ground.
+    #[must_use]
+    pub fn water(mut self, water: StageWater) -> Self {
+        self.water.push(water);
+        self
+    }
+    /// Keeps the water in pores from flowing in this stage: it takes part in what the stage changes, and its pressure rises with the
+    /// decrease of volume since the last drained stage. In the next drained stage that pressure is gone.
+    #[must_use]
+    pub fn undrained(mut self) -> Self {
+        self.drainage = Drainage::Undrained;
         self
     }
     /// Closing condition of a joint in this stage.

@@ -9,6 +9,7 @@ mod overview;
 mod rest;
 mod solution;
 mod timeline;
+mod water;
 
 pub use bolts::surface_of;
 pub use bolts::{BoltLayout, SceneBolts};
@@ -22,3 +23,5 @@ pub(crate) use rest::{Staging, StagingOutcome, StagingStart};
 pub(crate) use solution::SolutionStates;
 pub use solution::{StageCheckpointSink, StageSolution};
 pub use timeline::{Timeline, check_removal};
+pub use water::StageWater;
+pub(crate) use water::WaterAtRest;

@@ -1,7 +1,8 @@
 //! Overview of construction stages.
 
-use super::Timeline;
+use super::{StageWater, Timeline};
 use crate::{Error, Scene};
+use powerhouse_elements::Drainage;
 use powerhouse_model::StaticOptions;
 
 /// Overview of a construction stage: numbers of changed elements, bolts, supports and loads.
@@ -25,6 +26,10 @@ pub struct StageOverview {
     pub tied: Vec<String>,
     /// Names of the joints that this stage grouts.
     pub bonded: Vec<String>,
+    /// Water levels of ground with water in its pores that this stage sets.
+    pub water: Vec<StageWater>,
+    /// Whether that water flows in this stage.
+    pub drainage: Drainage,
     /// Number of supports that this stage adds.
     pub supports: usize,
     /// Number of loads and weights that this stage adds.
@@ -58,6 +63,8 @@ impl Scene {
                 .collect(),
             tied: stage.tied.clone(),
             bonded: stage.bonded.clone(),
+            water: stage.water.clone(),
+            drainage: stage.drainage,
             supports: stage.supports.len(),
             loads: stage.loads.len() + stage.weights.len(),
             removed_loads: (self.loads.iter())

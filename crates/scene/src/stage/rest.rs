@@ -5,11 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_elements::BoltSet;
 use powerhouse_model::{
-    EngineModel, HandOverReport, HistoryVariable, Mesh, ModelError, ModelSpec, Stage, StageError,
-    StageEvent, StageModel, StageReport, State, StaticError, StaticProgress, Stress,
+    EXCESS_PORE_PRESSURE, EngineModel, HandOverReport, HistoryField, HistoryVariable, Mesh,
+    ModelError, ModelSpec, Stage, StageError, StageEvent, StageModel, StageReport, State,
+    StaticError, StaticProgress, Stress,
 };
 
 use super::list::renewal;
+use super::water::add_pressures;
 use super::{SolutionStates, Timeline};
 use crate::in_use::check_in_use;
 use crate::{BoltForces, Error, Piece, RunHooks, Scene};
@@ -38,6 +40,9 @@ pub struct CompletedStage<'a> {
     pub state: &'a State,
     /// Total stress of each element of the mesh (Pa), mean over the element, including the in-situ stress.
     pub stress: &'a [Stress],
+    /// Pressure of the water in the pores of each element of the mesh (Pa), zero in dry ones, by which its effective stress exceeds
+    /// the total one; empty if there is no such water.
+    pub pore_pressure: &'a [f64],
     /// Names, units and kinds of the history variables of all laws of the body.
     pub variables: &'a [HistoryVariable],
     /// Bolt groups installed so far.
@@ -204,6 +209,7 @@ impl Staging {
                     mesh,
                     state: &body.state,
                     stress: &stress,
+                    pore_pressure: &self.pore_pressure(index, &body.state),
                     variables: &self.variables,
                     bolts: self.timeline.bolts(index + 1).collect(),
                 })?;
@@ -237,12 +243,14 @@ impl Staging {
     fn equilibrate(
         &self,
         (index, solutions): (usize, &SolutionStates),
-        state: State,
+        mut state: State,
         stop: Option<&Arc<AtomicBool>>,
         sink: &mut Option<Box<dyn StageSink + '_>>,
     ) -> Result<(State, Vec<Stress>, StageReport), Error> {
         let (mesh, stage) = (&*self.scene.mesh, &self.scene.stages[index]);
         let configuration = &self.timeline.configurations[index];
+        let changes = &configuration.pressure_changes;
+        add_pressures(&mut state, changes, mesh.element_count());
         let body: Box<StageModel> = Box::new(|spec| {
             let spec = match stop {
                 Some(stop) => spec.stop_on(stop.clone()),
@@ -285,6 +293,38 @@ impl Staging {
         Ok((state, stress, report))
     }
 
+    /// Pressure (Pa) of the water in the pores of each element after a stage, zero in dry and absent ones; empty if there is no
+    /// such water.
+    fn pore_pressure(&self, index: usize, state: &State) -> Vec<f64> {
+        let (scene, configuration) = (&self.scene, &self.timeline.configurations[index]);
+        let mut pressures = Vec::new();
+        for piece in &self.pieces {
+            let own = scene.parts[piece.part].static_material.as_ref();
+            let of_stage = configuration.materials.get(&piece.part).or(own);
+            let material = of_stage.unwrap_or(&piece.material).clone();
+            if material.pore_water().is_none() {
+                continue;
+            }
+            let material = configuration.water.of(material);
+            pressures.resize(scene.mesh.element_count(), 0.0);
+            let there = |element: &&u32| configuration.present[**element as usize];
+            for &element in piece.elements.iter().filter(there) {
+                let height = scene.mesh.centroid(element).z;
+                pressures[element as usize] = material.law().pore_pressure(element, height);
+            }
+        }
+        let of_excess = |field: &&HistoryField| field.name == EXCESS_PORE_PRESSURE.name;
+        for field in state.history.iter().filter(of_excess) {
+            let values = field.values.chunks_exact(field.points.max(1));
+            for (&element, values) in field.elements.iter().zip(values) {
+                if let Some(pressure) = pressures.get_mut(element as usize) {
+                    *pressure += EXCESS_PORE_PRESSURE.of_element(values.iter().copied());
+                }
+            }
+        }
+        pressures
+    }
+
     /// Adds elements, supports, joints and bolts of a stage to its static model.
     fn static_model<'a>(
         &self,
@@ -295,7 +335,8 @@ impl Staging {
         for piece in &self.pieces {
             let part = &scene.parts[piece.part];
             let of_stage = configuration.materials.get(&piece.part);
-            let factory = piece.resting(part, of_stage.or(part.static_material.as_ref()));
+            let other = of_stage.or(part.static_material.as_ref());
+            let factory = piece.resting(part, other, &configuration.water);
             spec = spec.elements(piece.elements.clone(), factory);
         }
         let mut spec = scene.acted_on(spec, Some(index));

@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use powerhouse_elements::BoltSet;
+use powerhouse_elements::{BoltSet, Drainage};
 use powerhouse_model::{Mesh, Renewal, State};
 
 use super::list::renewal;
+use super::water::{PressureChange, WaterAtRest, WaterSoFar, WetElements};
 use super::{SceneStage, StagingError};
 use crate::{Error, InitialMotion, Scene};
 use powerhouse_laws::Material;
@@ -24,6 +25,10 @@ pub(crate) struct Configuration {
     pub(crate) bolts: Vec<BoltSet>,
     /// Re-initialised joints, with the type of re-initialisation.
     pub(crate) renewed: Vec<(String, Renewal)>,
+    /// Changes of the pressure of the water in pores.
+    pub(crate) pressure_changes: Vec<PressureChange>,
+    /// Water in pores after them.
+    pub(crate) water: WaterAtRest,
 }
 
 /// Sequence of the configurations of all stages of a scene.
@@ -52,6 +57,7 @@ impl Timeline {
             materials: BTreeMap::new(),
             installed: Vec::new(),
             bolted: HashMap::new(),
+            water: WaterSoFar::default(),
         };
         for &element in &absent {
             found.present[element as usize] = false;
@@ -88,6 +94,13 @@ impl Timeline {
         self.configurations
             .last()
             .map(|configuration| &configuration.present[..])
+    }
+
+    /// Water in pores at the start of the dynamic run.
+    pub(crate) fn water(&self) -> Option<&WaterAtRest> {
+        self.configurations
+            .last()
+            .map(|configuration| &configuration.water)
     }
 
     /// Bolt groups of the given number of stages, in order of installation.
@@ -193,7 +206,11 @@ fn absent_at_first(mesh: &Mesh, stages: &[SceneStage]) -> Result<Vec<u32>, Error
     Ok(absent)
 }
 
-fn elements<'m>(mesh: &'m Mesh, set: &str, what: &'static str) -> Result<&'m [u32], StagingError> {
+pub(super) fn elements<'m>(
+    mesh: &'m Mesh,
+    set: &str,
+    what: &'static str,
+) -> Result<&'m [u32], StagingError> {
     mesh.element_set(set).map_err(|_| {
         let set = set.into();
         StagingError::NoSuchSet { set, what }
@@ -221,6 +238,7 @@ struct Progress<'s> {
     installed: Vec<String>,
     /// Name of the bolt group that crosses an element.
     bolted: HashMap<u32, String>,
+    water: WaterSoFar,
 }
 
 impl Progress<'_> {
@@ -242,6 +260,7 @@ impl Progress<'_> {
         let excavated = self.excavate(stage)?;
         let cast = self.cast(stage)?;
         self.change_materials(stage, &cast)?;
+        let pressure_changes = self.change_water(stage, &cast)?;
         let bolts = self.install(stage)?;
         for name in stage.tied.iter().chain(&stage.bonded) {
             if scene.joints.iter().all(|joint| joint.name != *name) {
@@ -258,6 +277,8 @@ impl Progress<'_> {
             materials: self.materials.clone(),
             bolts,
             renewed: renewed.collect(),
+            pressure_changes,
+            water: self.water.at_rest(&scene.mesh, stage.drainage),
         })
     }
 
@@ -321,6 +342,45 @@ impl Progress<'_> {
             self.materials.insert(part, material.clone());
         }
         Ok(())
+    }
+
+    /// Takes the water levels of the stage.
+    fn change_water(
+        &mut self,
+        stage: &SceneStage,
+        cast: &[u32],
+    ) -> Result<Vec<PressureChange>, StagingError> {
+        let is_undrained = stage.drainage == Drainage::Undrained;
+        if is_undrained && !stage.water.is_empty() {
+            return Err(StagingError::UndrainedLevel);
+        }
+        if stage.water.is_empty() && cast.is_empty() && !is_undrained {
+            return Ok(Vec::new());
+        }
+        let mesh = &*self.scene.mesh;
+        let mut water = vec![None; mesh.element_count()];
+        let mut is_dry = true;
+        for (index, part) in self.scene.parts.iter().enumerate() {
+            let of_stage = self.materials.get(&index);
+            let material = of_stage.or(part.static_material.as_ref());
+            let Some(own) = material.unwrap_or(&part.material).pore_water() else {
+                continue;
+            };
+            let of_part = mesh.element_set(&part.set).unwrap_or_default().iter();
+            for &element in of_part.filter(|element| self.present[**element as usize]) {
+                (water[element as usize], is_dry) = (Some(own), false);
+            }
+        }
+        let general = stage.water.iter().any(|level| level.set.is_none());
+        if is_dry && (is_undrained || general) {
+            let (key, what) = match is_undrained {
+                true => ("undrained", "an undrained stage"),
+                false => ("water", "a water level"),
+            };
+            return Err(StagingError::Dry { key, what });
+        }
+        self.water
+            .advance(stage, &WetElements { mesh, cast, water })
     }
 
     fn install(&mut self, stage: &SceneStage) -> Result<Vec<BoltSet>, StageFault> {

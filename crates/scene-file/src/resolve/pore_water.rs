@@ -1,0 +1,131 @@
+//! Water in the pores of materials: its pressure at rest, and what a check says of it.
+
+use core::ops::Range;
+use std::collections::BTreeMap;
+
+use powerhouse_elements::WaterPressure;
+
+use powerhouse_laws::Material;
+use powerhouse_model::{Mesh, Vec3};
+use powerhouse_scene::{Fault, Problem, Remark, SaturatedMaterial, Seepage};
+
+use crate::spec::{At, Finite, Positive, SceneSpec, water_weight};
+
+/// Keys of a pressure at rest: level (m), table of heights (m) and pressures (Pa), and density of the water (kg/m3).
+type PressureKeys<'a> = (
+    &'a Option<At<Finite>>,
+    &'a Option<At<Vec<[Finite; 2]>>>,
+    Option<Positive>,
+);
+
+/// Pressure at rest of a table at a place in the text; none without level and pressures.
+pub(crate) fn water_pressure(
+    table: Range<usize>,
+    (level, pressures, density): PressureKeys,
+) -> Result<Option<WaterPressure>, Fault> {
+    let (span, found) = match (level, pressures) {
+        (None, None) => return Ok(None),
+        (Some(level), None) => {
+            let found = WaterPressure::hydrostatic(level.get(), water_weight(density));
+            (level.span(), found)
+        }
+        (None, Some(pressures)) => {
+            let points: Vec<[f64; 2]> = pressures.iter().map(|row| row.map(Finite::get)).collect();
+            (pressures.span(), WaterPressure::table(&points))
+        }
+        (Some(_), Some(_)) => {
+            let problem = Problem::Value {
+                found: "a level and a table of pressures".into(),
+                expected: "one of `level` and `pressures`".into(),
+            };
+            return Err(Fault::new(table, problem));
+        }
+    };
+    found.map(Some).map_err(|error| Fault::refused(span, error))
+}
+
+/// The same of a table that must have one of the two.
+pub(super) fn given_pressure(
+    table: Range<usize>,
+    keys: PressureKeys,
+) -> Result<WaterPressure, Fault> {
+    let found = water_pressure(table.clone(), keys)?;
+    found.ok_or_else(|| {
+        let key = "level".into();
+        Fault::new(table, Problem::MissingKey { key })
+    })
+}
+
+/// Checks that tables of pressures of materials reach over the centres of their elements.
+pub(super) fn check_heights(
+    mesh: &Mesh,
+    file: &SceneSpec,
+    materials: &BTreeMap<String, Material>,
+) -> Result<(), Fault> {
+    for part in &file.parts {
+        let material = materials.get(part.material.as_str());
+        let water = material.and_then(|material| material.pore_water()?.at_rest());
+        let Some([low, high]) = water.map(WaterPressure::range) else {
+            continue;
+        };
+        for &element in mesh.element_set(&part.set).unwrap_or_default() {
+            let height = mesh.centroid(element).z;
+            if !(low..=high).contains(&height) {
+                let tag = mesh.element_tags()[element as usize];
+                let problem = Problem::Value {
+                    found: format!(
+                        "element {tag} of '{}' with its centre at z = {height} m",
+                        *part.set
+                    ),
+                    expected: format!(
+                        "heights within the table of pressures of the material, {low} to {high} m"
+                    ),
+                };
+                return Err(Fault::new(part.material.span(), problem));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Facts about materials with water in their pores, and warnings where it would flow during the run.
+pub(super) fn waters(
+    mesh: &Mesh,
+    file: &SceneSpec,
+    materials: &BTreeMap<String, Material>,
+) -> Vec<Remark> {
+    let wet = materials.iter().filter_map(|(name, material)| {
+        let water = material.pore_water()?;
+        Some(Remark::PoreWater(SaturatedMaterial {
+            name: name.clone(),
+            stiffness: water.stiffness(),
+            speeds: [material.law().skeleton(), material.medium()].map(|medium| medium.p_speed()),
+            at_rest: water.at_rest().cloned(),
+            seepage: seepage(mesh, file, (name.as_str(), material)),
+        }))
+    });
+    wet.collect()
+}
+
+/// Flow of the water of a material with a permeability.
+fn seepage(mesh: &Mesh, file: &SceneSpec, (name, material): (&str, &Material)) -> Option<Seepage> {
+    let table = file.materials.iter().find(|table| *table.name == *name)?;
+    let water = table.pore_water.as_ref()?;
+    let permeability = water.permeability?.get();
+    let parts = file.parts.iter().filter(|part| *part.material == *name);
+    let elements = parts.flat_map(|part| mesh.element_set(&part.set).unwrap_or_default());
+    let nodes = elements.flat_map(|&element| mesh.nodes_of(element));
+    let corners = nodes.map(|&node| mesh.positions()[node as usize]);
+    let (low, high) = corners
+        .map(|corner| (corner, corner))
+        .reduce(|(low, high), (corner, _)| (low.inf(&corner), high.sup(&corner)))?;
+    let extent: Vec3 = high - low;
+    let skeleton = material.law().skeleton();
+    let modulus = skeleton.lambda() + 2.0 * skeleton.shear();
+    Some(Seepage {
+        permeability,
+        consolidation: permeability * modulus / water_weight(water.density),
+        duration: file.time.duration.get(),
+        extent: extent.min(),
+    })
+}
