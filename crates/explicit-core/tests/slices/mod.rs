@@ -3,6 +3,7 @@
 mod bits;
 mod damage;
 mod free_field;
+mod refusals;
 mod steps;
 mod tunnels;
 
@@ -70,6 +71,7 @@ pub(super) fn spec<'a>(
         .delayed(DelayedPairs {
             pairs: pairs(mesh),
             slowness,
+            ..DelayedPairs::default()
         }))
 }
 
