@@ -156,6 +156,12 @@ impl Lumping {
         self.inertia.move_rest(&self.stiff);
     }
 
+    /// Passes on the rest of stiff elements to other groups than before.
+    pub(super) fn pass_on(&mut self, stiff: Stiff) {
+        self.stiff = stiff;
+        self.add_up();
+    }
+
     /// Takes over the damage of all elements from the committed history variables.
     pub(super) fn follow_damage(&mut self, blocks: &[Box<dyn ElementBlock>]) {
         let mut changed = false;

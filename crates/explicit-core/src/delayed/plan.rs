@@ -18,8 +18,8 @@ const LEAST_SHARE: f64 = 0.01;
 /// Least and largest number of rows of nodes around stiff elements that take over a part of theirs, and the least share of the mass
 /// of a node for which no more of them are taken.
 const LEAST_REACH: usize = 3;
-const MOST_REACH: usize = 8;
-const ENOUGH: f64 = 0.1;
+const MOST_REACH: usize = 30;
+const ENOUGH: f64 = 0.03;
 
 /// Which of x, y and z are fixed.
 pub(crate) type Axes = [bool; 3];
@@ -180,14 +180,11 @@ impl DelayedSlice {
         }
         let rows = Rows::new(blocks, subdomain, &place, half)?;
         let mass: Vec<f64> = groups.iter().map(|group| group.mass).collect();
-        let of_reach = |reach| {
-            let stiff = Stiff::new(delayed, &rows, &mass, reach);
-            Lumping::new(&rows, groups.len(), stiff)
-        };
+        let stiff = |reach| Stiff::new(delayed, &rows, &mass, reach);
         let mut slice = Self {
             slowness: delayed.slowness,
             half,
-            lumping: of_reach(LEAST_REACH),
+            lumping: Lumping::new(&rows, groups.len(), stiff(LEAST_REACH)),
             coupling: Coupling::new(&rows, groups, delayed.slowness),
             is_linear: blocks.iter().all(|block| block.is_linear_elastic()),
             sides,
@@ -203,7 +200,7 @@ impl DelayedSlice {
             if delayed.stiff.is_empty() || slice.least_share().1 >= ENOUGH {
                 break;
             }
-            slice.lumping = of_reach(reach);
+            slice.lumping.pass_on(stiff(reach));
         }
         let (group, share) = slice.least_share();
         if share.is_nan() || share < LEAST_SHARE {
