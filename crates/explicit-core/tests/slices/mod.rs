@@ -3,6 +3,7 @@
 mod bits;
 mod damage;
 mod free_field;
+mod long_bodies;
 mod refusals;
 mod steps;
 mod tunnels;

@@ -243,13 +243,16 @@ fn a_slice_refuses_what_it_does_not_take() {
         ),
     ];
     sound(mesh).build().unwrap();
-    for (what, way, spec) in cases {
-        let found = spec().build().unwrap_err().to_string();
-        assert!(
-            found.contains(what) && found.contains(way),
-            "{what}: {found}"
-        );
-    }
+    let missed = cases.into_iter().filter_map(|(what, way, spec)| {
+        let found = spec()
+            .build()
+            .err()
+            .map_or_else(String::new, |error| error.to_string());
+        let is_named = found.contains(what) && found.contains(way);
+        (!is_named).then(|| format!("{what}: {found}"))
+    });
+    let missed: Vec<String> = missed.collect();
+    assert!(missed.is_empty(), "{missed:#?}");
 }
 
 /// Waves past those of the P waves along y have no dashpots, and a body that is no slice has no skew coupling.

@@ -474,3 +474,19 @@ fn a_stiff_ring_conserves_energy_in_both_forms() {
         assert!(size > 0.1 && apart < 1e-9 * size, "{apart:e} of {size}");
     }
 }
+
+#[test]
+#[ignore = "probe"]
+fn probe_cavity() {
+    let az0 = Case {
+        kind: WaveKind::SV,
+        angles: [30.0, 0.0],
+        name: "/work/shared/third/slice25/cavity_sv30_az0.csv",
+    };
+    for case in [az0, SV25, SV30] {
+        for (radii, round, outward) in [(4.0, 96, 36), (8.0, 96, 44), (8.0, 96, 88), (4.0, 192, 72)] {
+            let grid = Grid { radii, round, outward };
+            println!("{} {radii} {round} {outward}: {:.4}", case.name, cavity(&case, &grid));
+        }
+    }
+}
