@@ -27,7 +27,7 @@ pub(crate) struct Coupling {
     /// Internal force (N) along y of each group in the present step.
     pub(super) force: Vec<f64>,
     /// New velocity per force (m/s/N) of each group along each axis in a step of a length (s), with inertia alone.
-    pub(super) gain: (f64, Vec<Vec3>),
+    pub(super) gain: (f64, Vec<[f64; 3]>),
 }
 
 impl Coupling {
@@ -76,11 +76,13 @@ impl Coupling {
         coupling
     }
 
+    #[inline(always)]
     fn entries(&self, group: usize) -> core::ops::Range<usize> {
         self.offsets[group] as usize..self.offsets[group + 1] as usize
     }
 
     /// Products of rows of two axes with the values along y of all groups.
+    #[inline(always)]
     fn by_axial(&self, rows: &[[f64; 2]], group: usize, values: &[f64]) -> [f64; 2] {
         let own = self.entries(group);
         let mut sums = [0.0; 2];
@@ -93,11 +95,13 @@ impl Coupling {
     }
 
     /// `D V` of a group along x and z (N), from the velocities along y (m/s) of all groups.
+    #[inline(always)]
     pub(super) fn across(&self, group: usize, velocity: &[f64]) -> [f64; 2] {
         self.by_axial(&self.across, group, velocity)
     }
 
     /// `D V` of a group along y (N), from the velocities along x and z (m/s) of all groups.
+    #[inline(always)]
     pub(super) fn along(&self, group: usize, velocity: &[[f64; 2]]) -> f64 {
         let own = self.entries(group);
         let mut sum = 0.0;

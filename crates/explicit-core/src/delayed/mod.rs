@@ -56,6 +56,10 @@ pub(crate) struct DelayedSlice {
     pub(crate) mass: Vec<f64>,
     /// Whether each group has neither dashpot, spring, skew coupling nor mass damping.
     pub(crate) bare: Vec<bool>,
+    /// Whether each group is bare and has no load; empty before the first step.
+    pub(crate) free: Vec<bool>,
+    /// The others.
+    pub(crate) loaded: Vec<u32>,
     /// Fixed axes of each group.
     pub(crate) held: Vec<Axes>,
     /// What makes `T` a lumped quantity.

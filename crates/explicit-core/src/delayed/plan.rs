@@ -191,6 +191,8 @@ impl DelayedSlice {
             place,
             mass: mass.clone(),
             bare: groups.iter().map(is_bare).collect(),
+            free: Vec::new(),
+            loaded: Vec::new(),
             held,
             is_centred: false,
             motion: None,

@@ -105,6 +105,15 @@ impl Model {
 
     /// Starts the motion of a slice from displacements and velocities of the nodes, unless it goes on with the same step.
     fn start_slice(&mut self, step: f64) -> Result<(), RunError> {
+        let sums = &self.loads.sums;
+        if let Some(slice) = &mut self.delayed
+            && slice.free.is_empty()
+        {
+            let free = |(group, bare): (usize, &bool)| *bare && !sums.acts_on(group);
+            slice.free = slice.bare.iter().enumerate().map(free).collect();
+            let others = (0..).zip(&slice.free).filter(|(_, free)| !**free);
+            slice.loaded = others.map(|(group, _)| group).collect();
+        }
         let Some((slice, arrays, groups)) = self.slice_parts() else {
             return Ok(());
         };
@@ -339,11 +348,8 @@ impl Model {
         if !is_axial {
             slice.work.begin_step();
         }
-        for index in 0..slice.sides.len() {
+        for index in slice.loaded.iter().map(|group| *group as usize) {
             let applied = sums.on_group(index);
-            if slice.bare[index] && applied == Vec3::zeros() {
-                continue;
-            }
             let stretch = motion.displacement(index) - groups.origin[index];
             let velocities = [motion.before(index), motion.velocity(index)].map(|v| part.of(v));
             let forces = [part.of(applied), part.of(stretch)];

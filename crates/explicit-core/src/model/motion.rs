@@ -493,6 +493,10 @@ impl Model {
         let group_of = self.groups.kicked_of(&self.group_of);
         let count = self.groups.kicked();
         self.loads.set_carried(forces, &group_of, count);
+        if let Some(slice) = &mut self.delayed {
+            // They may act on groups that had no load before.
+            slice.free.clear();
+        }
         self.renew_external();
     }
 

@@ -484,9 +484,41 @@ fn probe_cavity() {
         name: "/work/shared/third/slice25/cavity_sv30_az0.csv",
     };
     for case in [az0, SV25, SV30] {
-        for (radii, round, outward) in [(4.0, 96, 36), (8.0, 96, 44), (8.0, 96, 88), (4.0, 192, 72)] {
-            let grid = Grid { radii, round, outward };
-            println!("{} {radii} {round} {outward}: {:.4}", case.name, cavity(&case, &grid));
+        for (radii, round, outward) in [(4.0, 96, 36), (8.0, 96, 44), (8.0, 96, 88), (4.0, 192, 72)]
+        {
+            let grid = Grid {
+                radii,
+                round,
+                outward,
+            };
+            println!(
+                "{} {radii} {round} {outward}: {:.4}",
+                case.name,
+                cavity(&case, &grid)
+            );
         }
+    }
+}
+
+#[test]
+#[ignore = "probe"]
+fn probe_time() {
+    let mesh = around_a_hole(&[4.5, 4.75, 5.0], 4.0 * RADIUS, 60, 26);
+    let field = full_space(WaveKind::SV, [15.0, 90.0], 25.0);
+    for s in [0.0, slowness(WaveKind::SV, [15.0, 90.0])] {
+        let mut model = model(&mesh, &field, s, -0.1);
+        let step = model.stable_step(&Leapfrog).unwrap().step;
+        let mut least = f64::INFINITY;
+        for _ in 0..6 {
+            let options = RunOptions::steps(1000).with_energy(EnergyCheck::every(200));
+            let start = std::time::Instant::now();
+            run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        println!(
+            "{} elements, {s:e}: step {step:e}, {:.4} ms",
+            mesh.element_count(),
+            least
+        );
     }
 }
