@@ -1,6 +1,6 @@
 //! Equivalent nodal forces: the free field enters through an absorbing boundary.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use powerhouse_model::{
     BoundarySite, ElasticMedium, FieldMotion, IncidentField, Mat3, ModelError, NodalLoad, SiteFace,
@@ -107,14 +107,18 @@ fn field_loads(
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
             (low.min(y), high.max(y))
         });
-        diagonal.move_to(0.5 * (low + high));
-        full.move_to(0.5 * (low + high));
+        let middle = 0.5 * (low + high);
+        diagonal.join(middle, high - low);
+        full.join(middle, high - low);
     }
     let mut loads = Vec::new();
     diagonal.push_loads(field, &mut loads)?;
     full.push_loads(field, &mut loads)?;
     Ok(loads)
 }
+
+/// Distance across y of the nodes of a pair, over the thickness of the slice: rounding of mesh files.
+const PAIRED: f64 = 1e-4;
 
 /// Mesh index and position of a node, with the medium of some of its shares.
 type Place = (u32, Vec3, ElasticMedium);
@@ -142,10 +146,35 @@ impl<F: NodeForce> Inputs<F> {
         }
     }
 
-    /// Evaluates the field at another y (m) for all nodes.
-    fn move_to(&mut self, y: f64) {
-        for ((_, position, _), _) in self.first.iter_mut().chain(&mut self.others) {
-            position.y = y;
+    /// Evaluates the field at another y (m) for all nodes, once for the two nodes of a pair in a slice of a thickness (m): the
+    /// first one takes the force of both.
+    fn join(&mut self, y: f64, thickness: f64) {
+        for nodes in [&mut self.first, &mut self.others] {
+            let mut cells: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
+            for (index, ((_, position, _), _)) in nodes.iter().enumerate() {
+                let cell = [position.x, position.z].map(|x| (x / (PAIRED * thickness)).floor());
+                let own = cells.entry(cell.map(|x| x as i64)).or_default();
+                own.push(index);
+            }
+            let mut is_joined = vec![false; nodes.len()];
+            for own in cells.values() {
+                // A pair on the limit of two cells keeps two loads, as nodes in one place do.
+                let &[a, b] = &own[..] else {
+                    continue;
+                };
+                let [(_, at_a, of_a), (_, at_b, of_b)] = [nodes[a].0, nodes[b].0];
+                if of_a == of_b && (at_a.y - at_b.y).abs() > 0.5 * thickness {
+                    is_joined[b] = true;
+                    let of_other = nodes[b].1;
+                    nodes[a].1.add(&of_other);
+                }
+            }
+            let mut index = 0;
+            nodes.retain_mut(|((_, position, _), _)| {
+                position.y = y;
+                index += 1;
+                !is_joined[index - 1]
+            });
         }
     }
 
@@ -188,6 +217,8 @@ fn push_loads<F: NodeForce>(
 /// Equivalent force of a motion on one node: `K u + C v + sigma a`, with the vector area `a`.
 trait NodeForce: Copy + Send + 'static {
     fn force(&self, motion: &FieldMotion) -> Vec3;
+    /// Adds the coefficients of another node.
+    fn add(&mut self, other: &Self);
 }
 
 /// Coefficients of a node with diagonal matrices: all its faces lie along the axes.
@@ -204,6 +235,11 @@ impl NodeForce for DiagonalForce {
         self.spring.component_mul(&motion.displacement)
             + self.dashpot.component_mul(&motion.velocity)
             + motion.stress.traction(&self.vector_area)
+    }
+    fn add(&mut self, other: &Self) {
+        self.spring += other.spring;
+        self.dashpot += other.dashpot;
+        self.vector_area += other.vector_area;
     }
 }
 
@@ -247,6 +283,11 @@ impl NodeForce for MatrixForce {
         self.spring * motion.displacement
             + self.dashpot * motion.velocity
             + motion.stress.traction(&self.vector_area)
+    }
+    fn add(&mut self, other: &Self) {
+        self.spring += other.spring;
+        self.dashpot += other.dashpot;
+        self.vector_area += other.vector_area;
     }
 }
 

@@ -336,6 +336,11 @@ impl LoadSums {
         out.extend(keys.map(|&key| self.plain.sum(key as usize, &self.forces)));
     }
 
+    /// Whether any force acts on a group.
+    pub(crate) fn acts_on(&self, group: usize) -> bool {
+        !self.grouped.of(group).is_empty()
+    }
+
     /// The sum of forces on a group (N).
     #[inline]
     pub(crate) fn on_group(&self, group: usize) -> Vec3 {

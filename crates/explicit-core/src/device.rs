@@ -27,8 +27,8 @@ const MOST_FORCES: usize = 8_000_000;
 /// The explicit engine with a device beside the host, such as a graphics processor, that takes the time steps which
 /// nobody observes; results have the bits of [`Explicit`](crate::Explicit).
 ///
-/// Joints and other constraints, embedded elements such as bolts, prescribed motions, laws without a
-/// [program](ElementBlock::program), the energy balance and the profile of steps are refused by name.
+/// Joints and other constraints, embedded elements such as bolts, prescribed motions, slices under waves along y, laws
+/// without a [program](ElementBlock::program), the energy balance and the profile of steps are refused by name.
 pub struct ExplicitOnDevice {
     devices: Arc<dyn StepDevices>,
     name: String,
@@ -82,6 +82,10 @@ fn check_spec(spec: &ModelSpec) -> Result<(), DeviceError> {
     }
     if !spec.prescribed.is_empty() {
         return Err(DeviceError::refused("a prescribed motion", only_on_host));
+    }
+    if (spec.delayed.as_ref()).is_some_and(|pairs| pairs.slowness != 0.0) {
+        let part = "a slice under waves along y";
+        return Err(DeviceError::refused(part, only_on_host));
     }
     Ok(())
 }
@@ -209,9 +213,6 @@ impl Model {
             let reason = "it is computed on the host alone, in every step";
             Err(RunError::from(DeviceError::refused(part, reason)))
         };
-        if self.delayed.is_some() {
-            return refused("a slice under waves along y");
-        }
         if self.ledger.is_some() {
             return refused("the energy balance");
         }

@@ -141,6 +141,10 @@ impl Model {
     /// Velocities (m/s) of a local node half a step before and after the present time, between
     /// kick and drift.
     pub(crate) fn velocities_around(&self, node: usize) -> (Vec3, Vec3) {
+        let of_slice = self.delayed.as_ref();
+        if let Some(around) = of_slice.and_then(|slice| slice.velocities_around(node)) {
+            return around;
+        }
         match self.groups.if_kicked(self.group_of[node]) {
             Some(group) => (
                 self.groups.motion.previous[group as usize],

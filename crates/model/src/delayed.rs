@@ -16,4 +16,20 @@ pub struct DelayedPairs {
     /// Slowness `s` along y of all motion (s/m), `sin(incidence) sin(azimuth) / c`; negative for waves against y. At
     /// zero the pairs are periodic.
     pub slowness: f64,
+    /// Elements in which P waves are faster than the motion along y, or nearly so; empty by default.
+    pub stiff: Vec<StiffElements>,
+}
+
+/// Elements of a slice in which P waves are faster than the motion along y, or nearly so.
+///
+/// The strain `-s dU/dt` along y acts as inertia `-s^2 E` per volume, with the modulus `E` of P waves along y and the shear modulus
+/// along x and z: more than the density takes. Such elements keep a part of it at their nodes, and the rest is moved to nodes of other
+/// elements near by, so that the inertia of the whole is right and that of a lining a little beside its place. Their stress along y is
+/// some per cent too large.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StiffElements {
+    /// The elements, by mesh index.
+    pub elements: Vec<u32>,
+    /// Share (0 to 1) of `s^2 E` that the elements keep at their own nodes, along x and z and along y.
+    pub kept: [f64; 2],
 }

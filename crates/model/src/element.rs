@@ -305,6 +305,11 @@ pub trait ElementBlock: Send + Sync {
     fn reads_velocity(&self, _damping_shift: f64, _ledger: bool) -> bool {
         true
     }
+    /// Whether [`forces`](Self::forces) are the product of the elastic stiffness, [`Operator::Elastic`], with the displacement since
+    /// the reference displacement, and nothing else. False by default, which is right for every block.
+    fn is_linear_elastic(&self) -> bool {
+        false
+    }
     /// Program of one element of the block in a dynamic step of a length (s): the arithmetic of [`forces`](Self::forces)
     /// from the displacement of its nodes to their forces, without ledger, for other processors. None by default.
     ///

@@ -312,10 +312,10 @@ pub enum EngineError {
         /// The way out.
         way: &'static str,
     },
-    /// A slowness along y at which the inertia of a node is not positive: waves of the material are slower than the motion
-    /// along y demands.
+    /// A slowness along y at which the inertia of a node is not positive: P waves of the material are faster than the motion
+    /// along y.
     #[error(
-        "at the slowness {slowness:.4e} s/m along y the share of the mass of node {node} that is left is {share:.3}, below {least}: P waves of every material must be faster than the apparent speed along y; take a smaller incidence, or an azimuth nearer to x"
+        "at the slowness {slowness:.4e} s/m along y the share of the mass of node {node} that is left is {share:.3}, below {least}: P waves of every material must be slower than the motion along y; take a smaller incidence, or an azimuth nearer to x"
     )]
     DelayedMass {
         /// Number of the node.

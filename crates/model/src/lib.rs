@@ -83,7 +83,7 @@ pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
 };
-pub use delayed::DelayedPairs;
+pub use delayed::{DelayedPairs, StiffElements};
 pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{

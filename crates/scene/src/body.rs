@@ -173,6 +173,7 @@ impl Scene {
             (Some(pairs), None) => spec.delayed(DelayedPairs {
                 pairs: pairs.pairs.clone(),
                 slowness: self.slowness_along_y(),
+                stiff: self.stiff_elements(),
             }),
         };
         for driven in &self.prescribed {

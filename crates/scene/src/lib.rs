@@ -31,6 +31,7 @@ mod fibre_price;
 mod fibres;
 mod first_of_set;
 mod held_field;
+mod high_damping;
 mod in_use;
 mod input_spectrum;
 mod joint;
@@ -65,12 +66,13 @@ mod water_mass;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
-pub use delayed::DelayedError;
+pub use delayed::{DelayedError, StiffPart};
 pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use fibre_choice::{FibreChoice, FibreOptions};
 pub use fibre_price::{FibreShift, InputShift, OF_FIBRES_ALONE};
 pub use first_of_set::FirstOfSet;
+pub use high_damping::HighDamping;
 pub use input_spectrum::EnergySpectrum;
 pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
 pub use layers::LayerError;
@@ -92,7 +94,7 @@ pub use region::RegionError;
 pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial, Seepage};
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
-pub use scene_remark::{HighDamping, SceneRemark};
+pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,

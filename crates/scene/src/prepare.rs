@@ -75,6 +75,8 @@ impl Scene {
         self.scatterer()?;
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
+        let stiff = self.stiff_parts().into_iter();
+        remarks.extend(stiff.map(|part| Remark::Scene(SceneRemark::StiffPart(part))));
         let timeline = Timeline::of(&self)?;
         remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.sudden_motions());

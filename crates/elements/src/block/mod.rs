@@ -475,6 +475,9 @@ where
     ) -> Vec<f64> {
         self.inputs_of(index, displacement, velocity)
     }
+    fn is_linear_elastic(&self) -> bool {
+        self.is_linear() && self.damping.stiffness == 0.0
+    }
     fn reads_velocity(&self, damping_shift: f64, ledger: bool) -> bool {
         let damped = self.damping.stiffness + damping_shift != 0.0;
         damped || self.follows_flow() || (ledger && !self.is_linear())

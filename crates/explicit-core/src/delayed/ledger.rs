@@ -13,7 +13,7 @@
 //! - `s V.T - s^2/2 V.(A_consistent - A_lumped) V`: less the flux of energy along y times `s`, the column "delay",
 //! - `-1/8 dv.(M - s^2 A) dv - dt^2/8 v_y.K v_y` with `dv = v+ - v-`, the column "time step".
 
-use powerhouse_model::{BlockEnergy, Operator, Vec3};
+use powerhouse_model::{BlockEnergy, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::Model;
@@ -121,7 +121,7 @@ impl Stored {
 
 impl Model {
     /// The energy of a slice between the new velocities of x and z and the new displacements.
-    fn stored_in_slice(&mut self, step: f64) -> Option<Stored> {
+    fn stored_in_slice(&self, step: f64) -> Option<Stored> {
         let blocks = self.block_energies(step, true);
         let (Some(slice), Nodes::F64(arrays)) = (&self.delayed, &self.nodes) else {
             return None;
@@ -131,38 +131,38 @@ impl Model {
         let slots = &self.subdomain.slots;
         // The forces are those with the velocities of x and z half a step before.
         let at_forces = |group: usize| {
-            let (before, after) = (motion.before[group], motion.velocity[group]);
+            let (before, after) = (motion.before(group), motion.velocity(group));
             Vec3::new(before.x, after.y, before.z)
         };
         let mean = |group: usize| motion.centred(group)[1];
+        let along = &motion.axial.velocity;
         let (mut kinetic, mut delay, mut time_step) = (0.0, 0.0, 0.0);
-        let mut along = vec![Vec3::zeros(); self.mass.len()];
         for (index, group) in self.groups.groups.iter().enumerate() {
-            let [low, high] = slice.sides[index].map(|node| node as usize);
-            along[low].y = motion.velocity[index].y;
-            along[high].y = motion.velocity[index].y;
-            let internal = [high, low].map(|node| arrays.internal(slots, node));
-            let (velocity, lagged) = (mean(index), at_forces(index));
+            let [low, high] = slice.sides[index].map(|node| arrays.internal(slots, node as usize));
+            let velocity = mean(index);
             let rigidity = slice.lumping.rigidity(index);
-            let traction = (internal[0] - internal[1]) * slice.half
-                + slice.lumping.spread(index, at_forces) * s
-                - rigidity.component_mul(&(velocity - lagged)) * s;
+            let known = (high - low) * slice.half;
+            let traction = match slice.is_linear {
+                // The displacement along y is that half a step later, and nothing in the forces follows velocities.
+                true => {
+                    let late = slice.coupling.traction(index, along) * (0.5 * step);
+                    known - late - rigidity.component_mul(&velocity) * s
+                }
+                false => {
+                    let late = rigidity.component_mul(&(velocity - at_forces(index)));
+                    known + (slice.lumping.spread(index, at_forces) - late) * s
+                }
+            };
             kinetic += 0.5 * group.mass * velocity.norm_squared();
             let spread = slice.lumping.spread(index, mean);
             delay += s * velocity.dot(&traction) - 0.5 * s * s * velocity.dot(&spread);
-            let mut change = motion.velocity[index] - motion.before[index];
+            let mut change = motion.velocity(index) - motion.before(index);
             change.y = 0.0;
             let inertia = slice.inertia(index);
             time_step -= 0.125 * inertia.component_mul(&change).dot(&change);
+            let force = slice.coupling.stiffness(index, along);
+            time_step -= 0.125 * step * step * force * velocity.y;
         }
-        // The product uses the buffers of the forces, which may be read again.
-        let forces = arrays.forces.clone();
-        let products = self.elastic_product(Operator::Elastic, &along, &|_| 1.0);
-        if let Nodes::F64(arrays) = &mut self.nodes {
-            arrays.forces = forces;
-        }
-        let of_springs: f64 = products.iter().zip(&along).map(|(f, v)| f.dot(v)).sum();
-        time_step -= 0.125 * step * step * of_springs;
         Some(Stored {
             kinetic,
             time_step,

@@ -1,4 +1,4 @@
-//! Lumping of `T`, the nodal sums of the stress on sections normal to y: rows of its dependence on velocities.
+//! Matrices of a slice between its pairs of nodes: what they add to `T`, the nodal sums of the stress on sections normal to y.
 //!
 //! An element with the velocities `v_j` of its pairs has the strain `-s v` along y, and with it `T_i = ... - s A_ij v_j`, `A` a
 //! consistent matrix: a stiffness times a volume. Lumped it is `-s A_i v_i` with the sum `A_i` of the row, by which
@@ -8,8 +8,11 @@
 //! whole of it, the velocities of the step before would act with more stiffness than there is, and the motion of a part that breaks
 //! would diverge near the highest slowness. Plastic flow leaves the whole.
 
-use powerhouse_model::{ElementBlock, EngineError, Operator, Vec3};
+use std::collections::HashMap;
 
+use powerhouse_model::{ElementBlock, EngineError, Mat3, Operator, Vec3};
+
+use super::stiff::{Inertia, Stiff};
 use crate::subdomain::Subdomain;
 
 /// Coupling of y with x and z over the largest entry of a matrix, above which an element is not extruded along y.
@@ -17,13 +20,33 @@ const COUPLED: f64 = 1e-8;
 
 /// Entries of a row: those of one other pair of an element.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
-    group: u32,
-    /// Of x and z by x and z, row by row (N m).
-    plane: [f64; 4],
-    /// Of y by y (N m).
-    axial: f64,
+pub(super) struct Entry {
+    pub(super) group: u32,
+    /// `A` of x and z by x and z, row by row (N m).
+    pub(super) plane: [f64; 4],
+    /// `A` of y by y (N m).
+    pub(super) axial: f64,
 }
+
+/// What an element adds to the row of a pair by one other pair: sums of its stiffness matrix over the sides of both.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sums {
+    /// Stiffness (N/m): force by displacement.
+    pub(super) stiffness: Mat3,
+    /// `A` (N m): `T` by velocity times the slowness, with the opposite sign.
+    pub(super) rigidity: Mat3,
+    /// `T` by displacement (N).
+    pub(super) traction: Mat3,
+    /// Force by velocity times the slowness (N).
+    pub(super) delayed: Mat3,
+}
+
+/// A row under construction: its group, the element and its sums by other groups.
+pub(super) type Row = (u32, u32, Vec<(u32, Sums)>);
+
+/// Elements of a block whose damage is followed: names of its damage variables, and of each element the index in the block and
+/// among all elements.
+type Damaged = (usize, Vec<String>, Vec<[u32; 2]>);
 
 /// The rows of `A` of all groups: one of each of their elements.
 #[derive(Clone, Debug, Default)]
@@ -35,8 +58,8 @@ pub(crate) struct Lumping {
     /// Entries of each row, by offsets.
     entries_of: Vec<u32>,
     entries: Vec<Entry>,
-    /// Names of the damage variables of each block, with its first element.
-    damage_of: Vec<(u32, Vec<String>)>,
+    /// Blocks with damage variables.
+    damaged: Vec<Damaged>,
     /// Share of the stiffness of each element that damage leaves (1); empty if no block damages.
     remaining: Vec<f64>,
     /// Place of each entry in `merged`.
@@ -44,66 +67,41 @@ pub(crate) struct Lumping {
     /// Rows of all elements of each group together, by offsets.
     merged_offsets: Vec<u32>,
     merged: Vec<Entry>,
-    /// Sum of the entries of all rows of each group along each axis, `A_i` (N m).
-    rigidity: Vec<Vec3>,
+    /// Elements whose P waves are faster than the motion along y.
+    stiff: Stiff,
+    /// What each group has of `A` as inertia.
+    inertia: Inertia,
 }
 
-/// A row under construction: its group, element and entries.
-type Row = (u32, u32, Vec<Entry>);
-
 impl Lumping {
-    /// From the elastic matrices of all elements; `place` has the group of each node and the sign of its side, `half` is half
-    /// the distance of the sides (m).
-    pub(super) fn new(
-        blocks: &[Box<dyn ElementBlock>],
-        subdomain: &Subdomain,
-        place: &[(u32, f64)],
-        half: f64,
-    ) -> Result<Self, EngineError> {
-        let mut rows: Vec<Row> = Vec::new();
-        let mut coupled = None;
-        let mut element = 0;
-        let mut damage_of = Vec::new();
-        for (index, block) in blocks.iter().enumerate() {
-            let nodes = subdomain.nodes_of(index);
-            damage_of.push((element, damage_variables(block.as_ref())));
-            block.each_matrix(Operator::Elastic, &mut |local, matrix| {
-                let places = local.iter().map(|&n| place[nodes[n as usize] as usize]);
-                let places: Vec<(u32, f64)> = places.collect();
-                let place = (element, half);
-                element += 1;
-                if !add_rows(&places, (matrix, place), &mut rows) {
-                    coupled = Some(block.label().to_owned());
-                }
-            });
-        }
-        if let Some(set) = coupled {
-            return Err(EngineError::DelayedWith {
-                what: format!("set '{set}', whose elements couple motion along y with that across"),
-                way: "take isotropic laws and elements extruded along y",
-            });
-        }
-        rows.sort_by_key(|(group, element, _)| (*group, *element));
-        let groups = place.iter().map(|(group, _)| group + 1).max().unwrap_or(0) as usize;
+    /// From the rows of all elements of a slice.
+    pub(super) fn new(rows: &Rows, groups: usize, stiff: Stiff) -> Self {
         let mut lumping = Self {
-            rigidity: vec![Vec3::zeros(); groups],
             entries_of: vec![0],
+            stiff,
+            damaged: rows.damaged.clone(),
             ..Self::default()
         };
-        for (_, element, row) in &rows {
-            lumping.entries.extend(row);
+        for (_, element, row) in &rows.rows {
+            let entries = row.iter().map(|(group, sums)| {
+                let a = &sums.rigidity;
+                Entry {
+                    group: *group,
+                    plane: [a[(0, 0)], a[(0, 2)], a[(2, 0)], a[(2, 2)]],
+                    axial: a[(1, 1)],
+                }
+            });
+            lumping.entries.extend(entries);
             lumping.entries_of.push(lumping.entries.len() as u32);
             lumping.element_of.push(*element);
         }
-        let start = |group: usize| rows.partition_point(|(g, ..)| (*g as usize) < group) as u32;
-        lumping.rows_of = (0..=groups).map(start).collect();
-        if damage_of.iter().any(|(_, names)| !names.is_empty()) {
-            lumping.damage_of = damage_of;
-            lumping.remaining = vec![1.0; element as usize];
+        lumping.rows_of = rows.offsets(groups);
+        if !lumping.damaged.is_empty() {
+            lumping.remaining = vec![1.0; rows.elements];
         }
         lumping.merge(groups);
         lumping.add_up();
-        Ok(lumping)
+        lumping
     }
 
     /// Finds the neighbours of all groups.
@@ -135,48 +133,47 @@ impl Lumping {
         for entry in &mut self.merged {
             (entry.plane, entry.axial) = ([0.0; 4], 0.0);
         }
-        for row in 0..self.element_of.len() {
-            let share = self.share(row as u32);
-            let [from, to] = [row, row + 1].map(|row| self.entries_of[row] as usize);
-            for (entry, &place) in self.entries[from..to].iter().zip(&self.merged_of[from..to]) {
-                let merged = &mut self.merged[place as usize];
-                for (sum, own) in merged.plane.iter_mut().zip(entry.plane) {
-                    *sum += share * own;
+        self.inertia.clear(self.merged_offsets.len() - 1);
+        for group in 0..self.rows_of.len() - 1 {
+            for row in self.rows_of[group]..self.rows_of[group + 1] {
+                let element = self.element_of[row as usize];
+                let share = self.remaining.get(element as usize).copied().unwrap_or(1.0);
+                let [from, to] = [row, row + 1].map(|row| self.entries_of[row as usize] as usize);
+                let mut whole = Vec3::zeros();
+                let places = &self.merged_of[from..to];
+                for (entry, &place) in self.entries[from..to].iter().zip(places) {
+                    let merged = &mut self.merged[place as usize];
+                    for (sum, own) in merged.plane.iter_mut().zip(entry.plane) {
+                        *sum += share * own;
+                    }
+                    merged.axial += share * entry.axial;
+                    whole += Vec3::new(entry.plane[0], entry.axial, entry.plane[3]);
                 }
-                merged.axial += share * entry.axial;
+                let kept = self.stiff.kept(element);
+                self.inertia.add(group, &whole, (share, &kept));
             }
         }
-        for (group, rigidity) in self.rigidity.iter_mut().enumerate() {
-            let own = self.merged_offsets[group] as usize..self.merged_offsets[group + 1] as usize;
-            let sums = self.merged[own].iter();
-            let sums = sums.map(|entry| Vec3::new(entry.plane[0], entry.axial, entry.plane[3]));
-            *rigidity = sums.sum();
-        }
+        self.inertia.move_rest(&self.stiff);
     }
 
-    /// Share of the stiffness that is left to the element of a row.
-    fn share(&self, row: u32) -> f64 {
-        let element = self.element_of[row as usize];
-        self.remaining.get(element as usize).copied().unwrap_or(1.0)
+    /// Passes on the rest of stiff elements to other groups than before.
+    pub(super) fn pass_on(&mut self, stiff: Stiff) {
+        self.stiff = stiff;
+        self.add_up();
     }
 
     /// Takes over the damage of all elements from the committed history variables.
     pub(super) fn follow_damage(&mut self, blocks: &[Box<dyn ElementBlock>]) {
-        if self.remaining.is_empty() {
-            return;
-        }
         let mut changed = false;
-        for (block, (first, names)) in blocks.iter().zip(&self.damage_of) {
-            if names.is_empty() {
-                continue;
-            }
-            for index in 0..block.elements().len() {
-                let of = |name: &String| block.shown_history(index, name).unwrap_or(0.0);
+        for (block, names, elements) in &self.damaged {
+            let block = &blocks[*block];
+            for &[index, element] in elements {
+                let of = |name: &String| block.shown_history(index as usize, name).unwrap_or(0.0);
                 let left = names
                     .iter()
                     .map(|name| 1.0 - of(name).clamp(0.0, 1.0))
                     .product();
-                let known = &mut self.remaining[*first as usize + index];
+                let known = &mut self.remaining[element as usize];
                 changed |= *known != left;
                 *known = left;
             }
@@ -186,15 +183,15 @@ impl Lumping {
         }
     }
 
-    /// `A_i` of a group along each axis (N m).
+    /// `A_i` of a group along each axis (N m) that is taken from its mass.
     pub(crate) fn rigidity(&self, group: usize) -> Vec3 {
-        self.rigidity[group]
+        self.inertia.of(group)
     }
 
-    /// `A_ij (v_j - v_i)` of a group, from the velocities (m/s) of all groups (N).
+    /// `A_ij v_j` of a group, less `A_i v_i`, from the velocities (m/s) of all groups (N).
     pub(crate) fn spread(&self, group: usize, velocity: impl Fn(usize) -> Vec3) -> Vec3 {
         let own = velocity(group);
-        let mut sum = Vec3::zeros();
+        let mut sum = self.inertia.moved_from(group).component_mul(&own);
         let from = self.merged_offsets[group] as usize;
         let to = self.merged_offsets[group + 1] as usize;
         for entry in &self.merged[from..to] {
@@ -205,6 +202,83 @@ impl Lumping {
             sum.z += zx * change.x + zz * change.z;
         }
         sum
+    }
+}
+
+/// Rows of all elements of a slice, in the order of their groups.
+pub(super) struct Rows {
+    pub(super) rows: Vec<Row>,
+    damaged: Vec<Damaged>,
+    /// Number of elements.
+    elements: usize,
+    /// Mesh index of each element; the largest number for one of a block whose elements are not known one by one.
+    pub(super) mesh_elements: Vec<u32>,
+}
+
+impl Rows {
+    /// From the elastic matrices of all elements; `place` has the group of each node and the sign of its side, `half` is half
+    /// the distance of the sides (m).
+    pub(super) fn new(
+        blocks: &[Box<dyn ElementBlock>],
+        subdomain: &Subdomain,
+        place: &[(u32, f64)],
+        half: f64,
+    ) -> Result<Self, EngineError> {
+        let mut rows: Vec<Row> = Vec::new();
+        let (mut damaged, mut mesh_elements) = (Vec::new(), Vec::new());
+        for (index, block) in blocks.iter().enumerate() {
+            let nodes = subdomain.nodes_of(index);
+            let first = mesh_elements.len();
+            let mut coupled = false;
+            block.each_matrix(Operator::Elastic, &mut |local, matrix| {
+                let places = local.iter().map(|&n| place[nodes[n as usize] as usize]);
+                let places: Vec<(u32, f64)> = places.collect();
+                let element = mesh_elements.len() as u32;
+                mesh_elements.push(u32::MAX);
+                coupled |= !add_rows(&places, (matrix, (element, half)), &mut rows);
+            });
+            if coupled {
+                let set = block.label();
+                return Err(EngineError::DelayedWith {
+                    what: format!(
+                        "set '{set}', whose elements couple motion along y with that across"
+                    ),
+                    way: "take isotropic laws and elements extruded along y",
+                });
+            }
+            // Matrices are those of active elements, as frequency bounds are.
+            let bounds = block.frequency_bounds();
+            if bounds.len() == mesh_elements.len() - first {
+                for (known, bound) in mesh_elements[first..].iter_mut().zip(&bounds) {
+                    *known = bound.element;
+                }
+            }
+            let names = damage_variables(block.as_ref());
+            if !names.is_empty() {
+                let own = mesh_elements[first..].iter().zip(first as u32..);
+                let own: HashMap<u32, u32> = own.map(|(element, row)| (*element, row)).collect();
+                let elements = block.elements().iter().zip(0..);
+                let elements =
+                    elements.filter_map(|(element, index)| Some([index, *own.get(element)?]));
+                damaged.push((index, names, elements.collect()));
+            }
+        }
+        rows.sort_by_key(|(group, element, _)| (*group, *element));
+        Ok(Self {
+            rows,
+            damaged,
+            elements: mesh_elements.len(),
+            mesh_elements,
+        })
+    }
+
+    /// The first row of each group, and their number.
+    pub(super) fn offsets(&self, groups: usize) -> Vec<u32> {
+        let start = |group: usize| {
+            let before = |(g, ..): &Row| (*g as usize) < group;
+            self.rows.partition_point(before) as u32
+        };
+        (0..=groups).map(start).collect()
     }
 }
 
@@ -225,7 +299,7 @@ fn damage_variables(block: &dyn ElementBlock) -> Vec<String> {
 const WHOLE: &str = "damage";
 
 /// Adds the rows of an element with a stiffness matrix (N/m) between nodes with groups and signs; returns whether y is
-/// not coupled with x and z.
+/// not coupled with x and z but by the delay.
 fn add_rows(
     places: &[(u32, f64)],
     (matrix, (element, half)): (&[f64], (u32, f64)),
@@ -236,34 +310,38 @@ fn add_rows(
     groups.sort_unstable();
     groups.dedup();
     let at = |g: u32| groups.partition_point(|&group| group < g);
-    let mut sums = vec![[[0.0; 3]; 3]; groups.len() * groups.len()];
+    let mut sums = vec![Sums::default(); groups.len() * groups.len()];
     for (i, &(of_row, row_sign)) in places.iter().enumerate() {
         for (j, &(of_column, column_sign)) in places.iter().enumerate() {
             let sum = &mut sums[at(of_row) * groups.len() + at(of_column)];
-            let factor = half * half * row_sign * column_sign;
-            for (c, row) in sum.iter_mut().enumerate() {
-                for (d, entry) in row.iter_mut().enumerate() {
-                    *entry += factor * matrix[(3 * i + c) * size + 3 * j + d];
-                }
-            }
+            let block = Mat3::from_fn(|c, d| matrix[(3 * i + c) * size + 3 * j + d]);
+            sum.stiffness += block;
+            sum.rigidity += block * (half * half * row_sign * column_sign);
+            sum.traction -= block * (half * row_sign);
+            sum.delayed += block * (half * column_sign);
         }
     }
-    let scale = sums
-        .iter()
-        .flatten()
-        .flatten()
-        .fold(0.0, |m: f64, x| m.max(x.abs()));
-    let coupled = |sum: &[[f64; 3]; 3]| {
-        let across = [sum[0][1], sum[1][0], sum[1][2], sum[2][1]];
-        across.into_iter().any(|x| x.abs() > COUPLED * scale)
-    };
-    for (row, entries) in groups.iter().zip(sums.chunks(groups.len())) {
-        let own = groups.iter().zip(entries).map(|(&group, sum)| Entry {
-            group,
-            plane: [sum[0][0], sum[0][2], sum[2][0], sum[2][2]],
-            axial: sum[1][1],
-        });
+    let coupled = is_coupled(&sums, half);
+    for (row, sums) in groups.iter().zip(sums.chunks(groups.len())) {
+        let own = groups.iter().copied().zip(sums.iter().copied());
         rows.push((*row, element, own.collect()));
     }
-    !sums.iter().any(coupled)
+    !coupled
+}
+
+/// Whether stiffness or `A` of an element couple y with x and z, or `T` couples anything else.
+fn is_coupled(sums: &[Sums], half: f64) -> bool {
+    let entries = |of: fn(&Sums) -> &Mat3, across: bool| {
+        let all = sums.iter().flat_map(move |sum| {
+            let matrix = of(sum);
+            (0..9).map(move |k| ((k / 3 == 1) != (k % 3 == 1), matrix[(k / 3, k % 3)].abs()))
+        });
+        all.filter(move |(is_across, _)| *is_across == across)
+            .fold(0.0, |most: f64, (_, entry)| most.max(entry))
+    };
+    let scale = entries(|sum| &sum.rigidity, false);
+    let stiffness = entries(|sum| &sum.stiffness, false);
+    entries(|sum| &sum.rigidity, true) > COUPLED * scale
+        || entries(|sum| &sum.stiffness, true) > COUPLED * stiffness
+        || entries(|sum| &sum.traction, false) > COUPLED * (scale / half).max(half * stiffness)
 }

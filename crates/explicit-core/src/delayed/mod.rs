@@ -13,6 +13,9 @@
 //!    `s A (v_before - v)` is the change by the velocity, `A` the sum of `T` per velocity.
 //! 2. Half a step later the forces give `P_y` at `n + 1` alike.
 //!
+//! A slice all of whose elements are linear takes one evaluation in a step, with the products of a matrix in place of `T`
+//! (page of `coupling`): the same scheme, to rounding.
+//!
 //! Every part is a central difference. Linear bodies have their stable step at `2 / w`, `w` the highest frequency of the
 //! gyroscopic operator, which the page of `spectrum` derives, and conserve an energy to rounding (page of `ledger`).
 //!
@@ -23,16 +26,20 @@
 //! *`T` is lumped as the mass is.* Its part that depends on velocities is a consistent matrix; with a lumped mass the
 //! scheme would become unstable from `s c_p` of about 0.73 on. The matrices of the elements give its exact rows.
 
+mod coupling;
 mod ledger;
+mod linear;
 mod lumping;
 mod motion;
 mod plan;
 mod spectrum;
 mod step;
+mod stiff;
 
+pub(crate) use coupling::Coupling;
 pub(crate) use ledger::{DelayedWork, Works};
 pub(crate) use lumping::Lumping;
-pub(crate) use motion::DelayedMotion;
+pub(crate) use motion::{DelayedMotion, Part};
 pub(crate) use plan::{Axes, pair_up};
 
 /// A slice whose sides are delayed against each other: its pairs, by group, and its motion.
@@ -49,10 +56,20 @@ pub(crate) struct DelayedSlice {
     pub(crate) mass: Vec<f64>,
     /// Whether each group has neither dashpot, spring, skew coupling nor mass damping.
     pub(crate) bare: Vec<bool>,
+    /// Whether each group is bare and has no load; empty before the first step.
+    pub(crate) free: Vec<bool>,
+    /// The others.
+    pub(crate) loaded: Vec<u32>,
     /// Fixed axes of each group.
     pub(crate) held: Vec<Axes>,
     /// What makes `T` a lumped quantity.
     pub(crate) lumping: Lumping,
+    /// Elastic matrices between pairs.
+    pub(crate) coupling: Coupling,
+    /// Whether all elements are linear, so that the matrices stand for `T`.
+    pub(crate) is_linear: bool,
+    /// Whether readers see the motion between the new velocities of x and z and the new displacements.
+    pub(crate) is_centred: bool,
     /// Motion in the course of a run; none before its first step.
     pub(crate) motion: Option<DelayedMotion>,
     /// Works of nodal forces of the present step and of all steps.

@@ -4,7 +4,10 @@ use powerhouse_model::{
     DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, Precision, Vec3,
 };
 
-use super::{DelayedSlice, DelayedWork, Lumping};
+use super::linear::inertia_of;
+use super::lumping::Rows;
+use super::stiff::Stiff;
+use super::{Coupling, DelayedSlice, DelayedWork, Lumping};
 use crate::node_group::NodeGroup;
 use crate::subdomain::Subdomain;
 
@@ -12,6 +15,11 @@ use crate::subdomain::Subdomain;
 const TOLERANCE: f64 = 1e-6;
 /// Least share of the mass of a node that the slowness may leave.
 const LEAST_SHARE: f64 = 0.01;
+/// Least and largest number of rows of nodes around stiff elements that take over a part of theirs, and the least share of the mass
+/// of a node for which no more of them are taken.
+const LEAST_REACH: usize = 3;
+const MOST_REACH: usize = 30;
+const ENOUGH: f64 = 0.03;
 
 /// Which of x, y and z are fixed.
 pub(crate) type Axes = [bool; 3];
@@ -121,7 +129,7 @@ fn ordered(mesh: &Mesh, delayed: &DelayedPairs) -> Result<DelayedPairs, EngineEr
         }),
         None => Ok(DelayedPairs {
             pairs,
-            slowness: delayed.slowness,
+            ..delayed.clone()
         }),
     }
 }
@@ -170,39 +178,60 @@ impl DelayedSlice {
                 return Err(with(what, "absorb at faces parallel to y alone"));
             }
         }
-        let slice = Self {
+        let rows = Rows::new(blocks, subdomain, &place, half)?;
+        let mass: Vec<f64> = groups.iter().map(|group| group.mass).collect();
+        let stiff = |reach| Stiff::new(delayed, &rows, &mass, reach);
+        let mut slice = Self {
             slowness: delayed.slowness,
             half,
-            lumping: Lumping::new(blocks, subdomain, &place, half)?,
+            lumping: Lumping::new(&rows, groups.len(), stiff(LEAST_REACH)),
+            coupling: Coupling::new(&rows, groups, delayed.slowness),
+            is_linear: blocks.iter().all(|block| block.is_linear_elastic()),
             sides,
             place,
-            mass: groups.iter().map(|group| group.mass).collect(),
+            mass: mass.clone(),
             bare: groups.iter().map(is_bare).collect(),
+            free: Vec::new(),
+            loaded: Vec::new(),
             held,
+            is_centred: false,
             motion: None,
             work: DelayedWork::default(),
         };
-        for (index, group) in groups.iter().enumerate() {
-            if group.mass <= 0.0 {
-                continue;
+        for reach in LEAST_REACH + 1..=MOST_REACH {
+            if delayed.stiff.is_empty() || slice.least_share().1 >= ENOUGH {
+                break;
             }
-            let left = slice.inertia(index) / group.mass;
-            if left.min().is_nan() || left.min() < LEAST_SHARE {
-                return Err(EngineError::DelayedMass {
-                    node: tag(slice.sides[index][0]),
-                    slowness: slice.slowness,
-                    share: left.min(),
-                    least: LEAST_SHARE,
-                });
-            }
+            slice.lumping.pass_on(stiff(reach));
+        }
+        let (group, share) = slice.least_share();
+        if share.is_nan() || share < LEAST_SHARE {
+            return Err(EngineError::DelayedMass {
+                node: tag(slice.sides[group][0]),
+                slowness: slice.slowness,
+                share,
+                least: LEAST_SHARE,
+            });
         }
         Ok(slice)
     }
 
+    /// The group with the least share of its mass as inertia along any axis (1), and that share; not a number if some share is none.
+    fn least_share(&self) -> (usize, f64) {
+        let with_mass = (0..self.mass.len()).filter(|group| self.mass[*group] > 0.0);
+        let shares = with_mass.map(|group| (group, (self.inertia(group) / self.mass[group]).min()));
+        shares
+            .reduce(|a, b| if b.1 < a.1 || b.1.is_nan() { b } else { a })
+            .unwrap_or((0, 1.0))
+    }
+
     /// Inertia of a group (kg) along each axis, `M - s^2 A`.
     pub(crate) fn inertia(&self, group: usize) -> Vec3 {
-        let taken = self.lumping.rigidity(group) * (self.slowness * self.slowness);
-        Vec3::repeat(self.mass[group]) - taken
+        inertia_of(
+            self.mass[group],
+            self.lumping.rigidity(group),
+            self.slowness,
+        )
     }
 }
 

@@ -3,11 +3,13 @@
 use powerhouse_model::{ForceTerms, HistoryUpdate, MassDampingRule, Quad, RunError, Vec3};
 use rayon::prelude::*;
 
-use super::{DelayedMotion, DelayedSlice, Works};
+use super::linear::kicked;
+use super::{DelayedMotion, DelayedSlice, Part, Works};
 use crate::Model;
 use crate::gather::CHUNK;
 use crate::node_group::NodeGroup;
-use crate::nodes::{NodalArrays, Nodes};
+use crate::nodes::{NodalArrays, Nodes, with_nodes};
+use crate::subdomain::Subdomain;
 
 /// Forces on a group: applied ones less internal ones (N), and its `T` (N m).
 #[derive(Clone, Copy)]
@@ -25,106 +27,133 @@ struct Kicked {
     traction: Vec3,
 }
 
-/// The axes that are updated together.
-#[derive(Clone, Copy)]
-enum Part {
-    Plane,
-    Axial,
-}
-
-impl Part {
-    /// The components along the axes, others zero.
-    fn of(self, vector: Vec3) -> Vec3 {
-        match self {
-            Self::Plane => Vec3::new(vector.x, 0.0, vector.z),
-            Self::Axial => Vec3::new(0.0, vector.y, 0.0),
-        }
-    }
-    fn put(self, from: &Vec3, to: &mut Vec3) {
-        match self {
-            Self::Plane => (to.x, to.z) = (from.x, from.z),
-            Self::Axial => to.y = from.y,
-        }
-    }
-    fn other(self) -> Self {
-        match self {
-            Self::Plane => Self::Axial,
-            Self::Axial => Self::Plane,
-        }
-    }
-}
-
 impl DelayedSlice {
-    /// The displacement of a side whose displacement has `s h / 2 V` with a sign.
-    fn side(&self, sign: f64, [u, v]: [Vec3; 2]) -> Vec3 {
-        u + v * (sign * self.slowness * self.half)
+    /// Displacement (m) and velocity (m/s) of a node, whose group and side are given, from those of its group.
+    fn of_side(&self, sign: f64, [u, v]: [Vec3; 2]) -> [Vec3; 2] {
+        [u + v * (sign * self.slowness * self.half), v]
     }
 
-    /// Gives the nodes of all pairs their motion, from displacement (m) and velocity (m/s) of each group.
-    fn put(&self, arrays: &mut NodalArrays<f64>, of: impl Fn(usize) -> [Vec3; 2] + Sync) {
-        arrays
-            .displacement
-            .par_chunks_mut(CHUNK)
-            .zip(arrays.velocity.par_chunks_mut(CHUNK))
-            .zip(self.place.par_chunks(CHUNK))
-            .for_each(|((displacement, velocity), place)| {
-                let nodes = displacement.iter_mut().zip(velocity).zip(place);
-                for ((displacement, velocity), &(group, sign)) in nodes {
-                    let motion = of(group as usize);
-                    *displacement = Quad::from_vector(&self.side(sign, motion));
-                    *velocity = Quad::from_vector(&motion[1]);
-                }
-            });
+    /// Displacement (m) and velocity (m/s) of a local node, for readers; none before the first step.
+    pub(crate) fn motion_of(&self, node: usize) -> Option<[Vec3; 2]> {
+        let motion = self.motion.as_ref()?;
+        let (group, sign) = self.place[node];
+        let own = match self.is_centred {
+            true => motion.centred(group as usize),
+            false => motion.now(group as usize),
+        };
+        Some(self.of_side(sign, own))
+    }
+
+    /// Displacement (m) of the nodes of a block, in the block's order, for readers.
+    pub(crate) fn displacement_of_block(
+        &self,
+        subdomain: &Subdomain,
+        nodes: &Nodes,
+        block: usize,
+    ) -> Vec<Quad<f64>> {
+        if self.motion.is_none() {
+            return with_nodes!(nodes, arrays => subdomain.values(block, &arrays.displacement));
+        }
+        let of = |node: &u32| {
+            self.motion_of(*node as usize)
+                .map_or_else(Vec3::zeros, |[u, _]| u)
+        };
+        let own = subdomain.nodes_of(block).iter().map(of);
+        own.map(|u| Quad::from_vector(&u)).collect()
+    }
+
+    /// Velocities (m/s) of a local node half a step before and after the present time; none before the first step.
+    pub(crate) fn velocities_around(&self, node: usize) -> Option<(Vec3, Vec3)> {
+        let motion = self.motion.as_ref()?;
+        Some(motion.around(self.place[node].0 as usize))
     }
 }
 
 impl Model {
     /// The slice and the arrays of nodes, which are in double precision.
-    fn slice_parts(&mut self) -> Option<(&mut DelayedSlice, &mut NodalArrays<f64>, &[NodeGroup])> {
+    pub(super) fn slice_parts(
+        &mut self,
+    ) -> Option<(&mut DelayedSlice, &mut NodalArrays<f64>, &[NodeGroup])> {
         match (&mut self.delayed, &mut self.nodes) {
             (Some(slice), Nodes::F64(arrays)) => Some((slice, arrays, &self.groups.groups)),
             _ => None,
         }
     }
 
-    /// Gives all nodes the motion that the slice has at a moment of a step.
+    /// Gives all nodes the motion that the slice has at a moment of a step, for the forces there.
     fn place_slice(&mut self, moment: fn(&DelayedMotion, usize) -> [Vec3; 2]) {
-        if let Some((slice, arrays, _)) = self.slice_parts()
-            && let Some(motion) = &slice.motion
-        {
-            slice.put(arrays, |group| moment(motion, group));
-        }
+        let Some((slice, arrays, _)) = self.slice_parts() else {
+            return;
+        };
+        let Some(motion) = &slice.motion else {
+            return;
+        };
+        arrays
+            .displacement
+            .par_chunks_mut(CHUNK)
+            .zip(arrays.velocity.par_chunks_mut(CHUNK))
+            .zip(slice.place.par_chunks(CHUNK))
+            .for_each(|((displacement, velocity), place)| {
+                let nodes = displacement.iter_mut().zip(velocity).zip(place);
+                for ((displacement, velocity), &(group, sign)) in nodes {
+                    let [u, v] = slice.of_side(sign, moment(motion, group as usize));
+                    *displacement = Quad::from_vector(&u);
+                    *velocity = Quad::from_vector(&v);
+                }
+            });
     }
 
     /// Starts the motion of a slice from displacements and velocities of the nodes, unless it goes on with the same step.
     fn start_slice(&mut self, step: f64) -> Result<(), RunError> {
+        let sums = &self.loads.sums;
+        if let Some(slice) = &mut self.delayed
+            && slice.free.is_empty()
+        {
+            let free = |(group, bare): (usize, &bool)| *bare && !sums.acts_on(group);
+            slice.free = slice.bare.iter().enumerate().map(free).collect();
+            let others = (0..).zip(&slice.free).filter(|(_, free)| !**free);
+            slice.loaded = others.map(|(group, _)| group).collect();
+        }
         let Some((slice, arrays, groups)) = self.slice_parts() else {
             return Ok(());
         };
-        if slice
-            .motion
-            .as_ref()
-            .is_some_and(|motion| motion.step == step)
-        {
+        let goes_on = |motion: &DelayedMotion| motion.step == step;
+        if slice.motion.as_ref().is_some_and(goes_on) {
             return Ok(());
         }
-        let mut motion = DelayedMotion {
-            step,
-            momentum: vec![Vec3::zeros(); groups.len()],
-            traction: vec![Vec3::zeros(); groups.len()],
-            ..DelayedMotion::default()
-        };
-        for &[low, high] in &slice.sides {
-            let [low, high] = [low, high].map(|node| node as usize);
-            let [a, b] = [low, high].map(|node| arrays.displacement[node].to_vector());
-            let velocity = arrays.velocity[low].to_vector();
-            let mut displacement = (a + b) * 0.5;
-            displacement.y += 0.5 * step * velocity.y;
-            motion.displacement.push(displacement);
-            motion.velocity.push(velocity);
+        let mut motion = DelayedMotion::still(groups.len(), step);
+        for (group, &[low, high]) in slice.sides.iter().enumerate() {
+            let of = |node: u32| {
+                let known = slice.motion_of(node as usize);
+                known.unwrap_or_else(|| {
+                    let node = node as usize;
+                    [&arrays.displacement, &arrays.velocity].map(|all| all[node].to_vector())
+                })
+            };
+            let ([a, mut velocity], [b, _]) = (of(low), of(high));
+            for (velocity, held) in velocity.iter_mut().zip(slice.held[group]) {
+                if held {
+                    *velocity = 0.0;
+                }
+            }
+            let displacement = (a + b) * 0.5;
+            motion.plane.displacement[group] = [displacement.x, displacement.z];
+            motion.plane.velocity[group] = [velocity.x, velocity.z];
+            motion.axial.displacement[group] = displacement.y + 0.5 * step * velocity.y;
+            motion.axial.velocity[group] = velocity.y;
         }
-        motion.before.clone_from(&motion.velocity);
+        (motion.plane.before).clone_from(&motion.plane.velocity);
+        (motion.axial.before).clone_from(&motion.axial.velocity);
+        slice.is_centred = false;
         slice.motion = Some(motion);
+        match slice.is_linear {
+            true => Ok(()),
+            false => self.start_momentum(step),
+        }
+    }
+
+    /// Momentum and `T` at the start, from the forces there.
+    fn start_momentum(&mut self, step: f64) -> Result<(), RunError> {
         self.place_slice(DelayedMotion::at_start);
         self.evaluate(ForceTerms::PLAIN, 0.5 * step)?;
         // The forces are those of the start, not of a step.
@@ -134,18 +163,15 @@ impl Model {
             return Ok(());
         };
         let slowness = slice.slowness;
-        if let Some(motion) = &mut slice.motion {
-            let states = motion
-                .momentum
-                .iter_mut()
-                .zip(&motion.velocity)
-                .zip(&tractions);
-            for (((momentum, velocity), traction), group) in states.zip(groups) {
-                *momentum = velocity * group.mass + traction * slowness;
-            }
-            motion.traction = tractions;
-        }
-        self.place_slice(DelayedMotion::now);
+        let Some(motion) = &mut slice.motion else {
+            return Ok(());
+        };
+        let momenta = groups.iter().zip(&tractions).enumerate();
+        let momenta = momenta.map(|(g, (group, t))| motion.velocity(g) * group.mass + t * slowness);
+        let momenta: Vec<Vec3> = momenta.collect();
+        let divided = |vectors: &[Vec3]| vectors.iter().map(|v| ([v.x, v.z], v.y)).unzip();
+        (motion.plane.momentum, motion.axial.momentum) = divided(&momenta);
+        (motion.plane.traction, motion.axial.traction) = divided(&tractions);
         Ok(())
     }
 
@@ -164,7 +190,7 @@ impl Model {
         let groups = (0..slice.sides.len()).into_par_iter().with_min_len(256);
         let acting = |group: usize| {
             let [low, high] = slice.sides[group].map(|node| arrays.internal(slots, node as usize));
-            let spread = slice.lumping.spread(group, |g| motion.velocity[g]);
+            let spread = slice.lumping.spread(group, |g| motion.velocity(g));
             let acting = GroupForces {
                 applied: sums.on_group(group),
                 internal: low + high,
@@ -181,6 +207,10 @@ impl Model {
             return Err(fault);
         }
         self.start_slice(step)?;
+        if self.is_linear_slice() {
+            return self.linear_forces(terms, step);
+        }
+        self.place_slice(DelayedMotion::now);
         self.evaluate(terms, 0.5 * step)?;
         // History variables of the half step before are committed now.
         if let Some(slice) = &mut self.delayed {
@@ -189,32 +219,22 @@ impl Model {
         Ok(())
     }
 
+    /// Whether the elements of a slice are all linear.
+    fn is_linear_slice(&self) -> bool {
+        self.delayed.as_ref().is_some_and(|slice| slice.is_linear)
+    }
+
     /// New velocities of x and z of a slice, half a step after the present time.
     pub(crate) fn kick_slice(&mut self, rule: MassDampingRule, step: f64) {
         self.prepared = Some((rule, step));
-        self.update_slice(Part::Plane, step);
-        self.place_slice(DelayedMotion::centred);
-        self.begin_slice_balance(step);
-        let Some(motion) = self
-            .delayed
-            .as_ref()
-            .and_then(|slice| slice.motion.as_ref())
-        else {
-            return;
-        };
-        let views = self
-            .groups
-            .motion
-            .previous
-            .iter_mut()
-            .zip(&mut self.groups.motion.next);
-        for (group, (previous, next)) in views.enumerate() {
-            let (before, after) = (motion.before[group], motion.velocity[group]);
-            // The new velocity of y is not known yet: its acceleration is that of the step before.
-            let change = 0.5 * (after.y - before.y);
-            *previous = Vec3::new(before.x, after.y - change, before.z);
-            *next = Vec3::new(after.x, after.y + change, after.z);
+        match self.is_linear_slice() {
+            true => self.kick_plane(step),
+            false => self.update_slice(Part::Plane, step),
         }
+        if let Some(slice) = &mut self.delayed {
+            slice.is_centred = true;
+        }
+        self.begin_slice_balance(step);
     }
 
     /// Moves x and z of a slice by the step, evaluates the forces half a step after the present time, and updates y.
@@ -222,40 +242,42 @@ impl Model {
         let start = self.time;
         if let Some(slice) = &mut self.delayed {
             slice.work.end_plane();
-        }
-        if let Some(motion) = self
-            .delayed
-            .as_mut()
-            .and_then(|slice| slice.motion.as_mut())
-        {
-            for (u, v) in motion.displacement.iter_mut().zip(&motion.velocity) {
-                u.x += step * v.x;
-                u.z += step * v.z;
+            slice.is_centred = false;
+            if let Some(motion) = &mut slice.motion {
+                let plane = &mut motion.plane;
+                for (u, v) in plane.displacement.iter_mut().zip(&plane.velocity) {
+                    u[0] += step * v[0];
+                    u[1] += step * v[1];
+                }
             }
         }
-        self.place_slice(DelayedMotion::half_step_later);
-        self.uncommitted = true;
         self.time = start + 0.5 * step;
-        let terms = ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace);
-        let evaluated = self.evaluate(terms, 0.5 * step);
-        self.time = start;
-        match evaluated {
-            Ok(()) => self.update_slice(Part::Axial, step),
-            Err(fault) => self.fault = Some(fault),
+        match self.is_linear_slice() {
+            true => self.kick_axial(step),
+            false => self.evaluate_axial(step),
         }
-        if let Some(motion) = self
-            .delayed
-            .as_mut()
-            .and_then(|slice| slice.motion.as_mut())
+        if let Some((slice, ..)) = self.slice_parts()
+            && let Some(motion) = &mut slice.motion
         {
-            for (u, v) in motion.displacement.iter_mut().zip(&motion.velocity) {
-                u.y += step * v.y;
+            let axial = &mut motion.axial;
+            for (u, v) in axial.displacement.iter_mut().zip(&axial.velocity) {
+                *u += step * v;
             }
         }
-        self.place_slice(DelayedMotion::now);
         self.uncommitted = true;
         self.time = start + step;
         self.number += 1;
+    }
+
+    /// Evaluates the forces of a slice half a step after the present time, and updates y.
+    fn evaluate_axial(&mut self, step: f64) {
+        self.place_slice(DelayedMotion::half_step_later);
+        self.uncommitted = true;
+        let terms = ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace);
+        match self.evaluate(terms, 0.5 * step) {
+            Ok(()) => self.update_slice(Part::Axial, step),
+            Err(fault) => self.fault = Some(fault),
+        }
     }
 
     /// Updates velocity, momentum and `T` along some axes.
@@ -265,38 +287,53 @@ impl Model {
             if slice.bare[index] {
                 return kick_mass(part, (slice, motion), index, &acting, step);
             }
-            let stretch = motion.displacement[index] - origin[index];
+            let stretch = motion.displacement(index) - origin[index];
             let own = (&groups[index], index);
             kick(part, (slice, motion), own, (&acting, &stretch), step)
         });
-        self.add_works(part, &kicked, step);
         let limit = self.speed_limit;
         let sound = kicked
             .iter()
             .all(|k| k.velocity.iter().all(|v| v.abs() <= limit));
-        let motion = self
-            .delayed
-            .as_mut()
-            .and_then(|slice| slice.motion.as_mut());
-        if let Some(motion) = motion {
-            for (g, kicked) in kicked.iter().enumerate() {
-                let old = motion.velocity[g];
-                part.put(&old, &mut motion.before[g]);
-                part.put(&kicked.velocity, &mut motion.velocity[g]);
-                part.put(&kicked.momentum, &mut motion.momentum[g]);
-                part.other().put(&kicked.traction, &mut motion.traction[g]);
+        if let Some((slice, ..)) = self.slice_parts()
+            && let Some(motion) = &mut slice.motion
+        {
+            let (plane, axial) = (&mut motion.plane, &mut motion.axial);
+            match part {
+                Part::Plane => {
+                    core::mem::swap(&mut plane.before, &mut plane.velocity);
+                    for (g, kicked) in kicked.iter().enumerate() {
+                        plane.velocity[g] = [kicked.velocity.x, kicked.velocity.z];
+                        plane.momentum[g] = [kicked.momentum.x, kicked.momentum.z];
+                        axial.traction[g] = kicked.traction.y;
+                    }
+                }
+                Part::Axial => {
+                    core::mem::swap(&mut axial.before, &mut axial.velocity);
+                    for (g, kicked) in kicked.iter().enumerate() {
+                        axial.velocity[g] = kicked.velocity.y;
+                        axial.momentum[g] = kicked.momentum.y;
+                        plane.traction[g] = [kicked.traction.x, kicked.traction.z];
+                    }
+                }
             }
         }
+        self.end_update(part, sound, step);
+    }
+
+    /// Adds the works of all groups along some axes, whose velocities are new, to the energy balance, if one is open; ends the run
+    /// if the new velocities are not `sound`.
+    pub(super) fn end_update(&mut self, part: Part, sound: bool, step: f64) {
+        self.add_works(part, step);
         if !sound && self.fault.is_none() {
-            self.place_slice(DelayedMotion::now);
+            if let Some(slice) = &mut self.delayed {
+                slice.is_centred = false;
+            }
             self.fault = Some(self.divergence());
         }
     }
-}
 
-impl Model {
-    /// Adds the works of all groups along some axes to the energy balance, if one is open.
-    fn add_works(&mut self, part: Part, kicked: &[Kicked], step: f64) {
+    fn add_works(&mut self, part: Part, step: f64) {
         if self.ledger.is_none() {
             return;
         }
@@ -307,17 +344,14 @@ impl Model {
         let Some(motion) = &slice.motion else {
             return;
         };
-        let is_axial = matches!(part, Part::Axial);
+        let is_axial = part == Part::Axial;
         if !is_axial {
             slice.work.begin_step();
         }
-        for (index, kicked) in kicked.iter().enumerate() {
+        for index in slice.loaded.iter().map(|group| *group as usize) {
             let applied = sums.on_group(index);
-            if slice.bare[index] && applied == Vec3::zeros() {
-                continue;
-            }
-            let stretch = motion.displacement[index] - groups.origin[index];
-            let velocities = [part.of(motion.velocity[index]), kicked.velocity];
+            let stretch = motion.displacement(index) - groups.origin[index];
+            let velocities = [motion.before(index), motion.velocity(index)].map(|v| part.of(v));
             let forces = [part.of(applied), part.of(stretch)];
             let halves = Works::of(&groups.groups[index], forces, velocities, step);
             slice.work.add(&halves, is_axial);
@@ -338,11 +372,11 @@ fn kick_mass(
         return Kicked::default();
     }
     let s = slice.slowness;
-    let velocity = motion.velocity[index];
+    let velocity = motion.velocity(index);
     let rigidity = slice.lumping.rigidity(index);
-    let momentum = motion.momentum[index] + (acting.applied - acting.internal) * step;
+    let momentum = motion.momentum(index) + (acting.applied - acting.internal) * step;
     let lag = rigidity.component_mul(&velocity) * s;
-    let predicted = traction * 2.0 - motion.traction[index] + lag;
+    let predicted = traction * 2.0 - motion.traction(index) + lag;
     let right = momentum - predicted * s;
     let mass = slice.inertia(index);
     let mut after = part.of(right.component_div(&mass));
@@ -371,64 +405,19 @@ fn kick(
         return Kicked::default();
     }
     let s = slice.slowness;
-    let velocity = motion.velocity[index];
+    let velocity = motion.velocity(index);
     let before = part.of(velocity);
     let rigidity = slice.lumping.rigidity(index);
     let force = acting.applied - acting.internal - group.gyroscopic * velocity;
     let force = part.of(force - group.spring * part.of(*stretch));
-    // Dashpots act on the mean velocity, springs by average acceleration, as everywhere in the engine.
-    let damped = |v: &Vec3| part.of(group.dashpot * v + v * group.mass_damping) * (0.5 * step);
-    let sprung = |v: &Vec3| part.of(group.spring * v) * (0.25 * step * step);
-    let old_momentum = part.of(motion.momentum[index]) + force * step;
+    let momentum = part.of(motion.momentum(index)) + force * step;
     let lag = rigidity.component_mul(&before) * s;
-    let predicted = part.of(traction * 2.0 - motion.traction[index]) + lag;
-    let right = old_momentum - predicted * s - damped(&before) + sprung(&before);
-    let mass = slice.inertia(index);
-    let after = solve(part, (group, &mass), (right, slice.held[index]), step);
-    let momentum = old_momentum - damped(&(before + after)) - sprung(&(after - before));
+    let predicted = part.of(traction * 2.0 - motion.traction(index)) + lag;
+    let own = (group, &slice.inertia(index), slice.held[index]);
+    let [velocity, lost] = kicked(part, own, (momentum - predicted * s, before), step);
     Kicked {
-        velocity: after,
-        momentum,
+        velocity,
+        momentum: momentum - lost,
         traction,
-    }
-}
-
-/// Velocity (m/s) along some axes from the impulse (N s) that the inertia (kg) of a group, with dashpots and springs, takes;
-/// zero along fixed axes.
-fn solve(
-    part: Part,
-    (group, mass): (&NodeGroup, &Vec3),
-    (impulse, held): (Vec3, [bool; 3]),
-    step: f64,
-) -> Vec3 {
-    let (half, quarter) = (0.5 * step, 0.25 * step * step);
-    let entry = |i: usize, j: usize| {
-        let own = if i == j {
-            mass[i] + half * group.mass_damping
-        } else {
-            0.0
-        };
-        own + half * group.dashpot[(i, j)] + quarter * group.spring[(i, j)]
-    };
-    let alone = |i: usize| {
-        if held[i] {
-            0.0
-        } else {
-            impulse[i] / entry(i, i)
-        }
-    };
-    match part {
-        Part::Axial => Vec3::new(0.0, alone(1), 0.0),
-        Part::Plane => {
-            let across = entry(0, 2);
-            if across == 0.0 || held[0] || held[2] {
-                return Vec3::new(alone(0), 0.0, alone(2));
-            }
-            let (xx, zz) = (entry(0, 0), entry(2, 2));
-            let determinant = xx * zz - across * across;
-            let x = (zz * impulse.x - across * impulse.z) / determinant;
-            let z = (xx * impulse.z - across * impulse.x) / determinant;
-            Vec3::new(x, 0.0, z)
-        }
     }
 }

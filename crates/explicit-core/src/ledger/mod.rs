@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, DividedWork, HourglassShare, MassDampingRule, NodalView, Precision,
-    Quad, StepTime, Vec3,
+    StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -247,11 +247,15 @@ impl Model {
             time: self.time,
             step,
         };
-        let displacement: &[Quad<f64>] = with_nodes!(&self.nodes, arrays => &arrays.displacement);
-        let subdomain = &self.subdomain;
+        let (nodes, subdomain, slice) = (&self.nodes, &self.subdomain, self.delayed.as_ref());
         (self.blocks.par_iter().enumerate())
             .map(|(index, block)| {
-                let displacement = subdomain.values(index, displacement);
+                let displacement = match slice {
+                    Some(slice) => slice.displacement_of_block(subdomain, nodes, index),
+                    None => with_nodes!(nodes, arrays => {
+                        subdomain.values(index, &arrays.displacement)
+                    }),
+                };
                 let velocity = NodalView::F64(&[]);
                 let context = BlockContext::new(when, NodalView::F64(&displacement), velocity);
                 block.energy(&context.with_ledger(ledger))

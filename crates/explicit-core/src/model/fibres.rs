@@ -47,7 +47,7 @@ impl Model {
             return Err(ModelError::refused("fibres", reason));
         }
         if is_wanted && self.delayed.is_some() {
-            let reason = "a slice under waves along y takes none";
+            let reason = "a slice under waves along y takes none; leave them out";
             return Err(ModelError::refused("fibres", reason));
         }
         let lead_of = self.leads();

@@ -40,6 +40,9 @@ impl Model {
         self.velocity_of(self.engine(node))
     }
     pub(crate) fn displacement_of(&self, node: usize) -> Vec3 {
+        if let Some([displacement, _]) = self.in_slice(node) {
+            return displacement;
+        }
         with_nodes!(&self.nodes, arrays => arrays.displacement[node].to_vector())
     }
     /// Displacement (m) of every local node.
@@ -49,9 +52,19 @@ impl Model {
     }
     /// Displacement (m) of the nodes of a block, in the block's order.
     pub(crate) fn displacement_of_block(&self, block: usize) -> Vec<Quad<f64>> {
+        if let Some(slice) = &self.delayed {
+            return slice.displacement_of_block(&self.subdomain, &self.nodes, block);
+        }
         with_nodes!(&self.nodes, arrays => self.subdomain.values(block, &arrays.displacement))
     }
+    /// Displacement (m) and velocity (m/s) of a node of a slice that moves; none in any other body.
+    fn in_slice(&self, node: usize) -> Option<[Vec3; 2]> {
+        self.delayed.as_ref()?.motion_of(node)
+    }
     pub(crate) fn velocity_of(&self, node: usize) -> Vec3 {
+        if let Some([_, velocity]) = self.in_slice(node) {
+            return velocity;
+        }
         with_nodes!(&self.nodes, arrays => arrays.velocity[node].to_vector())
     }
     /// The user's number of a local node; an additional node has its index.
@@ -480,6 +493,10 @@ impl Model {
         let group_of = self.groups.kicked_of(&self.group_of);
         let count = self.groups.kicked();
         self.loads.set_carried(forces, &group_of, count);
+        if let Some(slice) = &mut self.delayed {
+            // They may act on groups that had no load before.
+            slice.free.clear();
+        }
         self.renew_external();
     }
 

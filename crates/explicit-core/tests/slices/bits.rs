@@ -1,4 +1,4 @@
-//! Bits of slices: slowness zero, threads, resumed runs; refusals.
+//! Bits of slices: slowness zero, threads, resumed runs.
 
 use std::sync::{Arc, Mutex};
 
@@ -6,9 +6,9 @@ use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
-    AddedMass, BlockOptions, CheckpointSink, DelayedPairs, EnergyCheck, EngineError, Mat3, Mesh,
-    ModelError, ModelSpec, PeriodicPairs, Precision, Progress, Rayleigh, RunOptions, SavedRun,
-    StaticOptions, StepChoice, Support, TimeIntegrator, Vec3,
+    BlockOptions, CheckpointSink, DelayedPairs, EnergyCheck, Mesh, ModelError, ModelSpec,
+    PeriodicPairs, Progress, RunOptions, SavedRun, StaticOptions, StepChoice, Support,
+    TimeIntegrator, Vec3,
 };
 use powerhouse_wavefield::WaveKind;
 
@@ -162,7 +162,11 @@ fn a_slice_in_equilibrium_stays_still() {
             .support(Support::fixed(bottom));
         let (pairs, slowness) = (pairs(&mesh), 0.7 / rock().p_speed());
         match moves {
-            true => spec.delayed(DelayedPairs { pairs, slowness }),
+            true => spec.delayed(DelayedPairs {
+                pairs,
+                slowness,
+                ..DelayedPairs::default()
+            }),
             false => spec.periodic(PeriodicPairs { pairs }),
         }
     };
@@ -184,80 +188,5 @@ fn a_slice_in_equilibrium_stays_still() {
     assert!(
         settled > 1e-5 && moved < 1e-8 * settled,
         "{moved:e} of {settled:e}"
-    );
-}
-
-/// The refusal of a specification.
-fn refused(spec: ModelSpec) -> String {
-    spec.build().unwrap_err().to_string()
-}
-
-/// What a slice does not take is refused by name.
-#[test]
-fn a_slice_refuses_what_it_does_not_take() {
-    let mesh = small();
-    let field = wave(WaveKind::SV, ANGLES, (8.0, 0.2));
-    let own = slowness(WaveKind::SV, ANGLES);
-    let spec = || spec(&mesh, SolidKernel::Hex8Full, &field, own).unwrap();
-    let pairs = pairs(&mesh);
-    let with = |changed: Vec<(u32, u32)>, slowness: f64| {
-        spec().delayed(DelayedPairs {
-            pairs: changed,
-            slowness,
-        })
-    };
-    let mut fewer = pairs.clone();
-    fewer.pop();
-    assert!(refused(with(fewer, own)).contains("in 0 delayed pairs"));
-    let mut crossed = pairs.clone();
-    (crossed[0].1, crossed[1].1) = (crossed[1].1, crossed[0].1);
-    assert!(refused(with(crossed, own)).contains("not apart by (0, 4, 0) m"));
-    assert!(refused(with(pairs.clone(), f64::NAN)).contains("must be finite"));
-    let fast = refused(with(pairs.clone(), 0.999 / rock().p_speed()));
-    assert!(fast.contains("share of the mass"), "{fast}");
-    let past = super::spec(
-        &mesh,
-        SolidKernel::Hex8Full,
-        &field,
-        1.01 / rock().p_speed(),
-    );
-    assert!(past.err().unwrap().to_string().contains("no P wave leaves"));
-    let oblique = Support::roller(vec![pairs[0].0], Vec3::new(1.0, 0.0, 1.0));
-    assert!(refused(spec().support(oblique)).contains("along no coordinate axis"));
-    let periodic = PeriodicPairs {
-        pairs: vec![pairs[0]],
-    };
-    assert!(refused(spec().periodic(periodic)).contains("other periodic pairs"));
-    let mass = AddedMass::new(pairs[0].0, Mat3::identity());
-    assert!(refused(spec().added_masses([mass])).contains("added masses"));
-    let damping = Rayleigh {
-        mass: 0.0,
-        stiffness: 1e-4,
-    };
-    let mut damped = BlockOptions::default();
-    damped.damping = damping;
-    let mut mixed = BlockOptions::default();
-    mixed.precision = Precision::Mixed;
-    for (options, message) in [
-        (damped, "stiffness damping of set 'rock'"),
-        (mixed, "single or mixed precision"),
-    ] {
-        let law = LinearElastic::new(rock());
-        let mut spec = spec();
-        spec.sets.clear();
-        let spec = spec.elements("rock", SolidKernel::Hex8Full.factory("rock", law, options));
-        let found = refused(spec);
-        assert!(found.contains(message), "{found}");
-    }
-    let plain = spec();
-    let mut plain = plain;
-    plain.delayed = None;
-    let found = plain.build().unwrap_err();
-    let ModelError::Refused { source, .. } = &found else {
-        panic!("{found}");
-    };
-    assert!(
-        matches!(source.downcast_ref(), Some(EngineError::Gyroscopic { .. })),
-        "{found}"
     );
 }

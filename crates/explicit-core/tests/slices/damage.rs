@@ -56,6 +56,7 @@ fn model(mesh: &Mesh, angles: [f64; 2], threshold: Option<f64>) -> Model {
         .delayed(DelayedPairs {
             pairs: pairs(mesh),
             slowness: s,
+            ..DelayedPairs::default()
         })
         .build()
         .unwrap()

@@ -1,11 +1,14 @@
 //! A slice of a half-space without a structure moves as the free field.
 
+use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::Leapfrog;
-use powerhouse_model::{FieldMotion, IncidentField, Mesh, TimeIntegrator, Vec3};
+use powerhouse_model::{
+    AbsorbingBoundary, BoundarySite, FieldMotion, IncidentField, Mesh, TimeIntegrator, Vec3,
+};
 use powerhouse_wavefield::WaveKind::{self, P, SH, SV};
 
-use super::{built, middle, pairs, slowness, spec, wave};
+use super::{built, middle, pairs, rock, slowness, spec, wave};
 
 /// Error of the motion of all nodes over all time against the wave, as a share of its norm, in a box of 400 x 200 m with
 /// elements of a size (m), under a Ricker pulse of 4 Hz.
@@ -107,4 +110,51 @@ fn all_kernels_of_bricks_move_as_the_free_field() {
         let found = error(SV, angles, 20.0, kernel);
         assert!(found < 1.2 * 4.0 * 9.9e-3, "{kernel:?}: {found:.3e}");
     }
+}
+
+/// The two nodes of a pair on an absorbing face have one load, in the middle between them: the force of the field on both.
+#[test]
+fn a_pair_of_nodes_is_loaded_once_with_the_force_on_both() {
+    let (low, high) = (Vec3::new(-20.0, -3.0, -30.0), Vec3::new(20.0, 1.0, 0.0));
+    let mesh = Mesh::box_of_hexes(low, high, [4, 1, 3], "rock").unwrap();
+    let angles = [25.0, 60.0];
+    let field = wave(SV, angles, (8.0, 0.1));
+    let faces = ["left", "right", "bottom"].map(|face| (face, mesh.facet_set(face).unwrap()));
+    let site = BoundarySite::from_mesh(&mesh, &faces, |_| rock(), Vec3::zeros(), Some(&field));
+    let site = site.with_slowness(slowness(SV, angles));
+    let mut parts = ViscousSpring::default().build(&site).unwrap();
+    let time = 0.11;
+    let mut found = vec![Vec3::zeros(); mesh.node_count()];
+    let mut count = 0;
+    for load in &mut parts.loads {
+        let nodes = load.nodes().to_vec();
+        let mut forces = vec![Vec3::zeros(); nodes.len()];
+        load.add_forces(time, &mut forces);
+        count += nodes.len();
+        for (node, force) in nodes.iter().zip(forces) {
+            found[*node as usize] += force;
+        }
+    }
+    assert_eq!(2 * count, site.nodes.len());
+    let mut largest: f64 = 0.0;
+    for (own, plain) in site.nodes.iter().zip(&parts.impedance) {
+        let place = own.position;
+        let middle = Vec3::new(place.x, -1.0, place.z);
+        let partners = site.nodes.iter().filter(|other| {
+            let apart = other.position - place;
+            apart.x == 0.0 && apart.z == 0.0
+        });
+        let both: Vec3 = partners.map(|other| found[other.node as usize]).sum();
+        let mut motion = [FieldMotion::default()];
+        let sampler = field.prepare(&[middle]).unwrap();
+        sampler.add_motion(time, &mut motion);
+        let areas = own.faces.iter().map(|share| share.normal * share.area);
+        let area: Vec3 = areas.sum();
+        let one = plain.spring * motion[0].displacement
+            + (plain.dashpot + plain.gyroscopic) * motion[0].velocity
+            + motion[0].stress.traction(&area);
+        largest = largest.max(one.norm());
+        assert!((both - one * 2.0).norm() < 1e-12 * largest, "{place:?}");
+    }
+    assert!(largest > 1e3, "{largest}");
 }

@@ -3,6 +3,8 @@
 mod bits;
 mod damage;
 mod free_field;
+mod long_bodies;
+mod refusals;
 mod steps;
 mod tunnels;
 
@@ -70,6 +72,7 @@ pub(super) fn spec<'a>(
         .delayed(DelayedPairs {
             pairs: pairs(mesh),
             slowness,
+            ..DelayedPairs::default()
         }))
 }
 

@@ -43,6 +43,7 @@ fn free(mesh: &Mesh, kernel: SolidKernel, ratio: f64) -> Model {
         .delayed(DelayedPairs {
             pairs: pairs(mesh),
             slowness: ratio / rock().p_speed(),
+            ..DelayedPairs::default()
         })
         .threads(1)
         .build()
@@ -160,6 +161,7 @@ fn the_energy_balance_closes_to_rounding() {
                 .delayed(DelayedPairs {
                     pairs: pairs(&mesh),
                     slowness: 0.85 / rock().p_speed(),
+                    ..DelayedPairs::default()
                 });
             if held {
                 let nodes = mesh.nodes_of_facets(mesh.facet_set("right").unwrap());

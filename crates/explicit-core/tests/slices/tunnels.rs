@@ -5,12 +5,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use powerhouse_boundary::{Spreading, ViscousSpring};
-use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{BuildModel, Leapfrog, Model};
-use powerhouse_material_damage::LinearElastic;
+use powerhouse_elements::{AnyLaw, SolidKernel};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
+use powerhouse_material_damage::{LinearElastic, Mazars, MazarsParameters, MazarsTension};
 use powerhouse_model::{
-    AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, ElasticMedium, ElementKind, Mesh,
-    TimeIntegrator, Vec3,
+    AbsorbingBoundary, BlockFactory, BlockOptions, BoundarySite, DelayedPairs, ElasticMedium,
+    ElementKind, EnergyCheck, Mesh, RunOptions, StiffElements, TimeIntegrator, Vec3,
 };
 use powerhouse_wavefield::{
     Angle, InputConvention, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, Site, WaveKind,
@@ -158,27 +158,54 @@ fn concrete() -> ElasticMedium {
     ElasticMedium::new(30.0e9, 0.2, 2500.0).unwrap()
 }
 
+/// The lining as stiff elements, if its P waves are nearly as fast as the motion along y or faster: half of its density is left.
+fn stiff(mesh: &Mesh, slowness: f64) -> Vec<StiffElements> {
+    let lining = mesh.element_set("lining");
+    let is_stiff = slowness.abs() * concrete().p_speed() > 0.95;
+    let elements = lining.into_iter().filter(|_| is_stiff).map(|elements| {
+        let kept = [concrete().s_speed(), concrete().p_speed()];
+        StiffElements {
+            elements: elements.to_vec(),
+            kept: kept.map(|speed| (0.5 / (slowness * speed).powi(2)).min(1.0)),
+        }
+    });
+    elements.collect()
+}
+
+/// Blocks of the rock or the lining.
+fn factory(set: &str, law: impl Into<AnyLaw>) -> Box<dyn BlockFactory> {
+    SolidKernel::Hex8Full.factory(set, law, BlockOptions::default())
+}
+
 /// The slice around a hole, at a time (s) before the wave.
 fn model(mesh: &Mesh, field: &PlaneWave, slowness: f64, start: f64) -> Model {
+    let lining = factory("lining", LinearElastic::new(concrete()));
+    model_lined(mesh, field, slowness, (start, lining))
+}
+
+/// The same with a lining of other elements, if the mesh has one.
+fn model_lined(
+    mesh: &Mesh,
+    field: &PlaneWave,
+    slowness: f64,
+    (start, lining): (f64, Box<dyn BlockFactory>),
+) -> Model {
     let faces = [("outer", mesh.facet_set("outer").unwrap())];
     let site = BoundarySite::from_mesh(mesh, &faces, |_| rock(), Vec3::zeros(), Some(field));
     let boundary = ViscousSpring {
         spreading: Spreading::Cylindrical,
         ..ViscousSpring::default()
     };
-    let kernel = SolidKernel::Hex8Full;
-    let factory = |set: &str, medium| {
-        kernel.factory(set, LinearElastic::new(medium), BlockOptions::default())
-    };
     let mut spec = Model::builder(mesh)
-        .elements("rock", factory("rock", rock()))
+        .elements("rock", factory("rock", LinearElastic::new(rock())))
         .boundary(boundary.build(&site.with_slowness(slowness)).unwrap())
         .delayed(DelayedPairs {
             pairs: pairs(mesh),
             slowness,
+            stiff: stiff(mesh, slowness),
         });
     if mesh.element_set("lining").is_ok() {
-        spec = spec.elements("lining", factory("lining", concrete()));
+        spec = spec.elements("lining", lining);
     }
     let mut state = powerhouse_model::State::at_rest(mesh.node_count());
     state.time = start;
@@ -286,25 +313,71 @@ fn walls_of_cavities_in_large_boxes_move_as_the_closed_form_says() {
     }
 }
 
-/// The axial stress in the middle of a concrete ring errs by no more than 1.5 % of the norm over its circumference where its P
-/// waves are at 0.825 of the speed along y. Two minutes:
-/// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
-#[test]
-#[ignore = "two minutes"]
-fn a_ring_has_the_axial_stress_of_the_closed_form() {
-    let (kind, angles) = (WaveKind::SV, [15.0, 90.0]);
-    let table = Table::read("lined_azimuth_sv15_az90.csv");
-    let round = 144;
-    let mesh = around_a_hole(&[4.5, 4.75, 5.0], 8.0 * RADIUS, round, 66);
+/// A ring of concrete of 4.5 to 5 m under a wave, and its table.
+const RINGS: [(Case, f64, f64); 4] = [
+    (
+        Case {
+            kind: WaveKind::SV,
+            angles: [15.0, 90.0],
+            name: "lined_azimuth_sv15_az90.csv",
+        },
+        0.825,
+        0.015,
+    ),
+    (
+        Case {
+            kind: WaveKind::SV,
+            angles: [25.0, 50.0],
+            name: "lined_azimuth_sv25_az50.csv",
+        },
+        1.032,
+        0.03,
+    ),
+    (
+        Case {
+            kind: WaveKind::P,
+            angles: [60.0, 60.0],
+            name: "lined_azimuth_p60_az60.csv",
+        },
+        1.342,
+        0.03,
+    ),
+    (
+        Case {
+            kind: WaveKind::SV,
+            angles: [30.0, 90.0],
+            name: "lined_azimuth_sv30_az90.csv",
+        },
+        1.594,
+        0.08,
+    ),
+];
+
+/// What a ring in a box of a grid errs by: its axial stress over all points and times as a share of the norm, its largest one
+/// over that of the table less one, and the hoop stress.
+fn ring(case: &Case, grid: &Grid) -> [f64; 3] {
+    let &Case { kind, angles, name } = case;
+    let &Grid {
+        radii,
+        round,
+        outward,
+    } = grid;
+    let table = Table::read(name);
+    let mesh = around_a_hole(&[4.5, 4.75, 5.0], radii * RADIUS, round, outward);
     let field = full_space(kind, angles, 25.0);
-    let start = -0.07 - 1.5 * 8.0 * RADIUS / kind.speed(&rock());
+    let start = -0.07 - 1.5 * radii * RADIUS / kind.speed(&rock());
     let mut model = model(&mesh, &field, slowness(kind, angles), start);
     let step = model.stable_step(&Leapfrog).unwrap().step;
-    let columns: Vec<[usize; 2]> = (0..8)
-        .map(|k| ["i", "o"].map(|side| table.column(&format!("yy_{side}@{}", 45 * k))))
+    let columns: Vec<[[usize; 2]; 2]> = (0..8)
+        .map(|k| {
+            let column =
+                |name: &str, side: &str| table.column(&format!("{name}_{side}@{}", 45 * k));
+            ["yy", "tt"].map(|name| ["i", "o"].map(|side| column(name, side)))
+        })
         .collect();
     let end = table.rows[table.rows.len() - 3][0];
-    let (mut missed, mut all, mut count) = (0.0, 0.0, 0);
+    let (mut missed, mut all, mut count) = ([0.0; 2], [0.0; 2], 0);
+    let (mut largest, mut expected) = (0.0_f64, 0.0_f64);
     while model.time() < end {
         Leapfrog.step(&mut model, step).unwrap();
         count += 1;
@@ -315,19 +388,137 @@ fn a_ring_has_the_axial_stress_of_the_closed_form() {
         for (k, columns) in columns.iter().enumerate() {
             // Two rings of elements, and the two elements beside the point.
             let place = k * round / 8;
+            let (sine, cosine) = (TAU * k as f64 / 8.0).sin_cos();
             let beside = [(place + round - 1) % round, place];
             let elements = beside.iter().flat_map(|&e| [e, e + round]);
-            let found = elements.map(|e| stresses[e].0[1]).sum::<f64>() / 4.0;
-            let exact = columns
-                .map(|c| table.at(c, model.time()))
-                .iter()
-                .sum::<f64>()
-                / 2.0;
-            missed += (found - exact).powi(2);
-            all += exact * exact;
+            let stresses = elements.map(|e| {
+                let [xx, yy, zz, _, _, zx] = stresses[e].0;
+                let hoop = xx * sine * sine + zz * cosine * cosine - 2.0 * zx * sine * cosine;
+                [yy, hoop]
+            });
+            let found = stresses.fold([0.0; 2], |[a, b], [c, d]| [a + 0.25 * c, b + 0.25 * d]);
+            for (c, columns) in columns.iter().enumerate() {
+                let sides = columns.map(|column| table.at(column, model.time()));
+                let exact = 0.5 * (sides[0] + sides[1]);
+                missed[c] += (found[c] - exact).powi(2);
+                all[c] += exact * exact;
+                if c == 0 {
+                    largest = largest.max(found[c].abs());
+                    expected = expected.max(exact.abs());
+                }
+            }
         }
     }
-    let found = (missed / all).sqrt();
-    println!("axial stress: {found:.4}");
-    assert!(found < 0.015, "{found:.4}");
+    let [axial, hoop] = [0, 1].map(|c| (missed[c] / all[c]).sqrt());
+    [axial, largest / expected - 1.0, hoop]
+}
+
+/// The axial stress in the middle of a concrete ring errs by no more than 1.5 % of the norm over its circumference where its P
+/// waves are at 0.825 of the speed along y, by 3 % at 1.03 and 1.34, and by 8 % at 1.59. Five minutes:
+/// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
+#[test]
+#[ignore = "five minutes"]
+fn rings_have_the_axial_stress_of_the_closed_form() {
+    for (case, ratio, most) in RINGS {
+        let found = slowness(case.kind, case.angles) * concrete().p_speed();
+        assert!((found - ratio).abs() < 1e-3, "{found}");
+        let grid = Grid {
+            radii: 8.0,
+            round: 144,
+            outward: 66,
+        };
+        let [axial, peak, hoop] = ring(&case, &grid);
+        println!("{ratio}: axial stress {axial:.4}, peak {peak:+.4}, hoop {hoop:.4}");
+        assert!(axial < most, "{ratio}: {axial:.4}");
+    }
+}
+
+/// A ring in which P waves are faster than the motion along y conserves energy to rounding, and moves as one whose law could crack
+/// but does not, which is computed with two evaluations in a step: to rounding.
+#[test]
+fn a_stiff_ring_conserves_energy_in_both_forms() {
+    for (kind, angles) in [(WaveKind::SV, [25.0, 50.0]), (WaveKind::P, [60.0, -60.0])] {
+        let mesh = around_a_hole(&[4.5, 4.75, 5.0], 3.0 * RADIUS, 32, 9);
+        let field = full_space(kind, angles, 25.0);
+        let slow = slowness(kind, angles);
+        assert!(slow.abs() * concrete().p_speed() > 1.0);
+        let brittle = Mazars::new(MazarsParameters {
+            medium: concrete(),
+            threshold: 1.0,
+            tension: MazarsTension::Rates {
+                share: 1.0,
+                rate: 1.5,
+            },
+            compression_share: 1.0,
+            compression_rate: 1.5,
+            residual_stiffness: 1e-3,
+        });
+        let brittle = factory("lining", brittle.unwrap());
+        let linear = factory("lining", LinearElastic::new(concrete()));
+        let mut motions = Vec::new();
+        for lining in [linear, brittle] {
+            let mut model = model_lined(&mesh, &field, slow, (-0.09, lining));
+            let options = RunOptions::seconds(0.095).with_energy(EnergyCheck::every(20));
+            let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+            let residual = report.energy_residual;
+            assert!(residual < 1e-11, "{angles:?}: {residual:e}");
+            let nodes = 0..mesh.node_count() as u32;
+            motions.push(nodes.map(|n| model.displacement(n)).collect::<Vec<_>>());
+        }
+        let size = motions[0].iter().map(|u| u.norm()).fold(0.0, f64::max);
+        let apart = motions[0]
+            .iter()
+            .zip(&motions[1])
+            .map(|(a, b)| (a - b).norm());
+        let apart = apart.fold(0.0, f64::max);
+        assert!(size > 0.1 && apart < 1e-9 * size, "{apart:e} of {size}");
+    }
+}
+
+#[test]
+#[ignore = "probe"]
+fn probe_cavity() {
+    let az0 = Case {
+        kind: WaveKind::SV,
+        angles: [30.0, 0.0],
+        name: "/work/shared/third/slice25/cavity_sv30_az0.csv",
+    };
+    for case in [az0, SV25, SV30] {
+        for (radii, round, outward) in [(4.0, 96, 36), (8.0, 96, 44), (8.0, 96, 88), (4.0, 192, 72)]
+        {
+            let grid = Grid {
+                radii,
+                round,
+                outward,
+            };
+            println!(
+                "{} {radii} {round} {outward}: {:.4}",
+                case.name,
+                cavity(&case, &grid)
+            );
+        }
+    }
+}
+
+#[test]
+#[ignore = "probe"]
+fn probe_time() {
+    let mesh = around_a_hole(&[4.5, 4.75, 5.0], 4.0 * RADIUS, 60, 26);
+    let field = full_space(WaveKind::SV, [15.0, 90.0], 25.0);
+    for s in [0.0, slowness(WaveKind::SV, [15.0, 90.0])] {
+        let mut model = model(&mesh, &field, s, -0.1);
+        let step = model.stable_step(&Leapfrog).unwrap().step;
+        let mut least = f64::INFINITY;
+        for _ in 0..6 {
+            let options = RunOptions::steps(1000).with_energy(EnergyCheck::every(200));
+            let start = std::time::Instant::now();
+            run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        println!(
+            "{} elements, {s:e}: step {step:e}, {:.4} ms",
+            mesh.element_count(),
+            least
+        );
+    }
 }

@@ -1,8 +1,11 @@
 //! Slices with delayed sides, under waves of any azimuth.
 
 use powerhouse::io::write_gmsh;
-use powerhouse::model::{FieldMotion, Mesh, Vec3};
-use powerhouse::{Error, FileScene, Registry, Results, RunHooks};
+use powerhouse::model::{
+    AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, ConstraintWork, FieldMotion, Mesh,
+    ModelError, PredictedMotion, RunError, Vec3,
+};
+use powerhouse::{Boundary, Error, FileScene, Registry, Results, RunHooks};
 
 use super::support::Folder;
 
@@ -41,16 +44,39 @@ name = "back"
 at = [0, 2, 0]
 "#;
 
-fn scene(text: &str) -> Result<FileScene, Error> {
-    let folder = Folder::new("delayed-sides");
+/// The mesh of the slice.
+fn mesh() -> Mesh {
     let (low, high) = (Vec3::new(-100.0, -2.0, -100.0), Vec3::new(100.0, 2.0, 0.0));
-    let mesh = Mesh::box_of_hexes(low, high, [20, 1, 10], "rock").unwrap();
-    write_gmsh(folder.join("slice.msh"), &mesh).unwrap();
+    Mesh::box_of_hexes(low, high, [20, 1, 10], "rock").unwrap()
+}
+
+fn scene(text: &str) -> Result<FileScene, Error> {
+    scene_on(&mesh(), text)
+}
+
+fn scene_on(mesh: &Mesh, text: &str) -> Result<FileScene, Error> {
+    let folder = Folder::new("delayed-sides");
+    write_gmsh(folder.join("slice.msh"), mesh).unwrap();
+    if text.contains("stations.csv") {
+        std::fs::write(folder.join("stations.csv"), still_stations(mesh)).unwrap();
+    }
     FileScene::from_toml(
         text.to_owned(),
         folder.join("slice.toml"),
         &Registry::default(),
     )
+}
+
+/// A table of motions at all nodes of a mesh, which stay still, those of the region in the test below inside.
+fn still_stations(mesh: &Mesh) -> String {
+    let mut rows = "x [m],y [m],z [m],inner [1],time [s],ux [m],uy [m],uz [m]\n".to_owned();
+    for at in mesh.positions() {
+        let inner = u8::from(at.x.abs() < 40.1 && at.z > -40.1);
+        for time in [0.0, 0.5, 1.0] {
+            rows += &format!("{},{},{},{inner},{time},0,0,0\n", at.x, at.y, at.z);
+        }
+    }
+    rows
 }
 
 fn run(text: &str) -> Results {
@@ -126,6 +152,12 @@ fn what_a_slice_does_not_take_is_refused() {
     let twice = format!("{delayed}, {other}");
     let roller = format!("{delayed}, {{ kind = \"roller\", set = \"front\" }}");
     let periodic = format!("{delayed}, {{ kind = \"periodic\", from = \"left\", to = \"right\" }}");
+    let fixed = format!("{delayed}, {{ kind = \"fixed\", set = \"bottom\" }}");
+    let prescribed = format!(
+        "{delayed}, {{ kind = \"prescribed\", set = \"top\", direction = [1, 0, 0], displacement = 0.01 }}"
+    );
+    let own_wave = &GROUND[GROUND.find("[[wave]]").unwrap()..GROUND.find("[time]").unwrap()];
+    let stations = "[boundary]\nkind = \"viscous\"\nfaces = [\"left\", \"right\", \"bottom\"]\nregion = { box = [[-40, -2, -40], [40, 2, 0]] }\nstations = { file = \"stations.csv\" }\n";
     let cases = [
         ("[boundary]", wave, "one slowness along y", "sin(i_p)/c_p"),
         (
@@ -172,27 +204,157 @@ fn what_a_slice_does_not_take_is_refused() {
             "proportional to mass",
         ),
         (
+            own_wave,
+            stations,
+            "and the field 'stations",
+            "whole length",
+        ),
+        (
+            "[boundary]",
+            "[[layer]]\nmaterial = \"granite\"\nbottom = -50\n[[layer]]\nmaterial = \"granite\"\n[boundary]",
+            "plane waves in homogeneous ground",
+            "periodic pairs for waves across the axis",
+        ),
+        (
+            "kernel = \"hex8-full\"",
+            "kernel = \"hex8-full\"\ndamping = { kind = \"flat\", ratio = 0.02, band = [0.5, 20] }",
+            "flat damping of part 'rock'",
+            "proportional to mass",
+        ),
+        (
+            "density = 2750",
+            "density = 2750\npore_water = { porosity = 0.15 }",
+            "water in the pores of part 'rock'",
+            "without water",
+        ),
+        (
+            "[time]",
+            "[[bolt]]\nname = \"nail\"\nsection = 4e-4\nyoung = 210e9\nlines = [[[0, 0, -50], [9, 0, -50]]]\n[time]",
+            "does not take bolts",
+            "whole length",
+        ),
+        (
+            delayed,
+            &prescribed,
+            "prescribed motions",
+            "through absorbing faces",
+        ),
+        (delayed, &fixed, "supports along y", "need no other support"),
+        (
+            "[time]",
+            "[[load]]\nkind = \"pressure\"\nset = \"top\"\npressure = 1e5\nfunction = { kind = \"table\", times = [0, 1], values = [0, 1] }\n[time]",
+            "loads that change in time",
+            "whole length",
+        ),
+        (
+            "scatterer =",
+            "region = { box = [[-40, -2, -40], [40, 2, 0]] }\nscatterer =",
+            "a region around which the field enters",
+            "through the faces",
+        ),
+        (
             "[time]",
             "[[load]]\nkind = \"gravity\"\nfunction = { kind = \"table\", times = [0, 1], values = [0, 1] }\n[time]",
             "loads that change in time",
             "whole length",
         ),
     ];
-    for (from, to, message, way) in cases {
+    let missed = cases.into_iter().filter_map(|(from, to, message, way)| {
         assert!(GROUND.contains(from), "{from}");
-        let text = GROUND.replacen(from, to, 1);
-        let refused = match scene(&text) {
-            Err(error) => error,
-            Ok(scene) => scene
-                .into_scene()
-                .prepare()
-                .err()
-                .unwrap_or_else(|| panic!("{to}")),
+        let refused = match scene(&GROUND.replacen(from, to, 1)) {
+            Err(error) => Some(error),
+            Ok(scene) => scene.into_scene().prepare().err(),
         };
-        let refused = refused.to_string();
+        let refused = refused.map_or_else(String::new, |error| error.to_string());
+        let is_named = refused.contains(message) && refused.contains(way);
+        (!is_named).then(|| format!("{message}: {refused}"))
+    });
+    let missed: Vec<String> = missed.collect();
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+/// Parts, joints and structures beside the ground that such slices do not take.
+#[test]
+fn what_lies_in_the_ground_of_a_slice_may_be_refused() {
+    let mut mesh = mesh();
+    let all = 0..mesh.element_count() as u32;
+    let core = |element: &u32| mesh.centroid(*element).x.abs() < 20.0;
+    let (core, rest): (Vec<u32>, Vec<u32>) = all.partition(core);
+    mesh.set_element_set("core", core).unwrap();
+    mesh.set_element_set("rock", rest).unwrap();
+    let part = "[[part]]\nset = \"core\"\nmaterial = \"granite\"\nkernel = \"hex8-full\"\n";
+    let joint =
+        "[[joint]]\nname = \"seam\"\nbetween = [\"rock\", \"core\"]\nlaw = \"frictionless\"\n";
+    let refused = |part: &str, more: &str| {
+        let text = GROUND.replacen("[[wave]]", &format!("{part}[[wave]]"), 1);
+        let text = text.replacen("scatterer =", &format!("{more}scatterer ="), 1);
+        let error = match scene_on(&mesh, &text) {
+            Err(error) => error,
+            Ok(scene) => scene.into_scene().prepare().err()?,
+        };
+        Some(error.to_string())
+    };
+    assert_eq!(refused(part, ""), None);
+    for (part, more, message, way) in [
+        (
+            format!("{part}{joint}"),
+            "",
+            "does not take joint 'seam'",
+            "whole length",
+        ),
+        (
+            part.to_owned(),
+            "through = [\"core\"]\n",
+            "structures `through` its faces",
+            "end it before",
+        ),
+    ] {
+        let found = refused(&part, more).unwrap_or_else(|| panic!("{message}"));
         assert!(
-            refused.contains(message) && refused.contains(way),
-            "{to}: {refused}"
+            found.contains(message) && found.contains(way),
+            "{message}: {found}"
+        );
+    }
+}
+
+/// Constraints and boundaries of a program's own, which scenes in Rust have, are refused.
+#[test]
+fn constraints_and_boundaries_of_other_crates_are_refused() {
+    struct Glue;
+    impl Constraint for Glue {
+        fn name(&self) -> &str {
+            "glue"
+        }
+        fn nodes(&self) -> &[u32] {
+            &[0, 1]
+        }
+        fn correct(&mut self, _motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
+            Ok(ConstraintWork::default())
+        }
+    }
+    struct Wall;
+    impl AbsorbingBoundary for Wall {
+        fn name(&self) -> &str {
+            "wall"
+        }
+        fn build(&self, _site: &BoundarySite) -> Result<BoundaryParts, ModelError> {
+            Ok(BoundaryParts::default())
+        }
+    }
+    let sound = || scene(GROUND).unwrap().into_scene();
+    let wall = Boundary::new(Wall, ["left", "right", "bottom"]);
+    for (scene, message, way) in [
+        (sound().constraint(Glue), "constraints", "whole length"),
+        (
+            sound().with_boundary(wall),
+            "the boundary 'wall'",
+            "take 'viscous-spring'",
+        ),
+    ] {
+        let found = scene.prepare().err().unwrap().to_string();
+        assert!(
+            found.contains(message) && found.contains(way),
+            "{message}: {found}"
         );
     }
 }

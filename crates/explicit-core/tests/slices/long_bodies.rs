@@ -1,0 +1,167 @@
+//! Slices against bodies with their whole length, whose core yields or cracks.
+
+use powerhouse_boundary::ViscousSpring;
+use powerhouse_elements::{AnyLaw, SolidKernel};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, Model};
+use powerhouse_material_damage::{
+    ElastoPlastic, LinearElastic, Mazars, MazarsParameters, MazarsTension, MohrCoulomb,
+    MohrCoulombParameters,
+};
+use powerhouse_model::{
+    AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, Mesh, TimeIntegrator, Vec3,
+};
+use powerhouse_wavefield::WaveKind;
+
+use super::{pairs, rock, slowness, wave};
+
+/// Half the width and the depth (m) of the section of the ground.
+const SECTION: [f64; 2] = [60.0, 60.0];
+
+/// What the core of 30 m x 20 m, which runs along y, is made of.
+#[derive(Clone, Copy, PartialEq)]
+enum Core {
+    Rock,
+    Yielding,
+    Brittle,
+}
+
+impl Core {
+    fn law(self) -> AnyLaw {
+        let threshold = 1.5e-5;
+        match self {
+            Self::Rock => LinearElastic::new(rock()).into(),
+            Self::Yielding => {
+                let surface = MohrCoulomb::new(MohrCoulombParameters {
+                    medium: rock(),
+                    friction: 0.3,
+                    dilation: 0.1,
+                    cohesion: 6e4,
+                    tension_strength: None,
+                });
+                ElastoPlastic::new(surface.unwrap()).into()
+            }
+            Self::Brittle => {
+                let law = Mazars::new(MazarsParameters {
+                    medium: rock(),
+                    threshold,
+                    tension: MazarsTension::Rates {
+                        share: 1.0,
+                        rate: 1.5 / threshold,
+                    },
+                    compression_share: 1.0,
+                    compression_rate: 1.5 / threshold,
+                    residual_stiffness: 1e-3,
+                });
+                law.unwrap().into()
+            }
+        }
+    }
+}
+
+/// Displacement of the section y = 0 at all its nodes, in the order of x and z, at 60 times within 0.6 s.
+fn motion(mesh: &Mesh, angles: [f64; 2], core: Core, steps: usize) -> Vec<Vec3> {
+    let is_slice = mesh.bounding_box().1.y < 1.0;
+    let field = wave(WaveKind::SV, angles, (8.0, 0.25));
+    let s = slowness(WaveKind::SV, angles);
+    let mut names = vec!["left", "right", "bottom"];
+    if !is_slice {
+        names.extend(["front", "back"]);
+    }
+    let faces: Vec<_> = names
+        .into_iter()
+        .map(|face| (face, mesh.facet_set(face).unwrap()))
+        .collect();
+    let site = BoundarySite::from_mesh(mesh, &faces, |_| rock(), Vec3::zeros(), Some(&field));
+    let site = site.with_slowness(if is_slice { s } else { 0.0 });
+    let parts = ViscousSpring::default().build(&site).unwrap();
+    let (low, high) = (Vec3::new(-15.0, -9e9, -40.0), Vec3::new(15.0, 9e9, -20.0));
+    let inside = mesh.elements_in_box(&low, &high);
+    let mut is_inside = vec![false; mesh.element_count()];
+    inside
+        .iter()
+        .for_each(|element| is_inside[*element as usize] = true);
+    let all = 0..mesh.element_count() as u32;
+    let rest: Vec<u32> = all
+        .filter(|element| !is_inside[*element as usize])
+        .collect();
+    let factory = |label: &str, law: AnyLaw| {
+        SolidKernel::Hex8Full.factory(label, law, BlockOptions::default())
+    };
+    let mut spec = Model::builder(mesh)
+        .elements(rest, factory("rock", Core::Rock.law()))
+        .elements(inside, factory("core", core.law()))
+        .boundary(parts);
+    if is_slice {
+        spec = spec.delayed(DelayedPairs {
+            pairs: pairs(mesh),
+            slowness: s,
+            ..DelayedPairs::default()
+        });
+    }
+    let mut model = spec.build().unwrap();
+    let mut section: Vec<(Vec<u32>, Vec3)> = Vec::new();
+    let wanted = |x: &Vec3| is_slice || x.y.abs() < 1e-6;
+    let mut nodes: Vec<u32> = (0..mesh.node_count() as u32).collect();
+    nodes.retain(|node| wanted(&mesh.positions()[*node as usize]));
+    let key = |node: &u32| {
+        let x = mesh.positions()[*node as usize];
+        [x.x, x.z].map(|x| (1e3 * x).round() as i64)
+    };
+    nodes.sort_by_key(key);
+    for own in nodes.chunk_by(|a, b| key(a) == key(b)) {
+        section.push((own.to_vec(), mesh.positions()[own[0] as usize]));
+    }
+    let mut found = Vec::new();
+    for count in 1..=steps {
+        Leapfrog.step(&mut model, 0.6 / steps as f64).unwrap();
+        if count % (steps / 60) == 0 {
+            let mean = |own: &Vec<u32>| {
+                let sum: Vec3 = own.iter().map(|node| model.displacement(*node)).sum();
+                sum / own.len() as f64
+            };
+            found.extend(section.iter().map(|(own, _)| mean(own)));
+        }
+    }
+    found
+}
+
+/// A body with elements of a size (m), from y = -length / 2 to length / 2; a slice without a length.
+fn body(size: f64, length: Option<f64>) -> Mesh {
+    let [half, depth] = SECTION;
+    let (end, along) = match length {
+        Some(length) => (0.5 * length, (length / size).round() as usize),
+        None => (0.25, 1),
+    };
+    let (low, high) = (Vec3::new(-half, -end, -depth), Vec3::new(half, end, 0.0));
+    let counts = [2.0 * half / size, 0.0, depth / size].map(|count| count.round() as usize);
+    Mesh::box_of_hexes(low, high, [counts[0], along, counts[2]], "rock").unwrap()
+}
+
+fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let missed: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
+    (missed / b.iter().map(|b| b.norm_squared()).sum::<f64>()).sqrt()
+}
+
+/// What a slice errs by against a body of a length (m) with elements of a size (m), and what the core changes there.
+fn error(core: Core, angles: [f64; 2], size: f64, length: f64) -> [f64; 2] {
+    let steps = 60 * (15.0 * 5.0 / size) as usize;
+    let (slice, long) = (body(size, None), body(size, Some(length)));
+    let [found, exact] = [&slice, &long].map(|mesh| motion(mesh, angles, core, steps));
+    let plain = motion(&slice, angles, Core::Rock, steps);
+    [apart(&found, &exact), apart(&exact, &plain)]
+}
+
+#[test]
+#[ignore = "probe"]
+fn probe() {
+    let of = |name: &str, default: f64| std::env::var(name).map_or(default, |x| x.parse().unwrap());
+    let core = match std::env::var("PH_CORE").as_deref() {
+        Ok("y") => Core::Yielding,
+        Ok("b") => Core::Brittle,
+        _ => Core::Rock,
+    };
+    let angles = [of("PH_I", 25.0), of("PH_A", 45.0)];
+    let [error, effect] = error(core, angles, of("PH_H", 5.0), of("PH_L", 600.0));
+    println!("{angles:?}: error {error:.4}, effect {effect:.3}");
+}
