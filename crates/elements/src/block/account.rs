@@ -1,6 +1,6 @@
 //! Energy bookkeeping: dissipation and other work that is accumulated step by step.
 
-use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad, StateError};
+use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, HistoryUpdate, Quad, StateError};
 use serde::{Deserialize, Serialize};
 
 use super::batches::Batch;
@@ -341,6 +341,14 @@ where
     K: ElementKernel<N, P>,
     S: NodeScalar,
 {
+    /// Sums of a step that are zero yet. Stored energy is required where the history variables may be read after the step, where
+    /// the bookkeeping begins, and of laws that have others in every step.
+    pub(super) fn sums_of(&self, context: &BlockContext) -> StepSums {
+        let reads = context.history_update == HistoryUpdate::Buffered;
+        let begins = !self.account.is_followed_by(context.number);
+        StepSums::new(reads || begins || !self.law.telescopes())
+    }
+
     /// Accumulates the energies of the step that ends at the context.
     ///
     /// With the velocity `v` of that step, `v_0` of the previous step and the elastic form

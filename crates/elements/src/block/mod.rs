@@ -351,9 +351,7 @@ where
         // Inactive elements keep their committed history.
         let in_place = context.history_update == HistoryUpdate::InPlace;
         self.history.set_in_place(in_place && self.active.is_none());
-        // Stored energy is required where the history variables may be read after the step, and where the bookkeeping begins.
-        let begins = !self.account.is_followed_by(context.number);
-        let mut sums = StepSums::new(!in_place || begins || !self.law.telescopes());
+        let mut sums = self.sums_of(context);
         let balanced = context.ledger.then_some(&mut sums);
         let terms = StepTerms {
             step: context.step,
@@ -362,11 +360,7 @@ where
         };
         let velocity = context.velocity;
         let finite = self.write_forces(displacement, velocity, terms, balanced, out.reborrow());
-        let fault = |block: &Self| {
-            let fault = block.fault(context);
-            fault.or_else(|| block.fault_of(out.view()))
-        };
-        if !finite && let Some(fault) = fault(self) {
+        if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out.view())) {
             return Err(fault);
         }
         if context.ledger {
