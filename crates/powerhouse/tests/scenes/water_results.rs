@@ -1,8 +1,13 @@
 //! What results say of water in the ground, and what is refused.
 
-use powerhouse::io::read_vtu;
-use powerhouse::{ResultFolder, RunHooks, RunNotes};
+use std::sync::Arc;
 
+use powerhouse::engine::{Engine, ExplicitOnRanks};
+use powerhouse::io::read_vtu;
+use powerhouse::model::{Ranks, ThreadRanks};
+use powerhouse::{ResultFolder, RunHooks, RunNotes, TimeStep};
+
+use super::support::run;
 use super::water_stages::{
     COLUMN, Column, GRAVITY, HEIGHT, PORES, SAND, WATER, close, columns, first, moved,
 };
@@ -131,6 +136,50 @@ fn files_have_effective_stress_beside_total_stress() {
     ] {
         let mut fields = grid.in_elements.iter();
         assert!(fields.any(|field| field.name == name), "{name}");
+    }
+}
+
+/// Ranks that share the ground have the same bits of what a run shows of its water, after a stage with another level and an undrained one.
+#[test]
+fn ranks_show_the_same_water() {
+    let text = format!(
+        "{COLUMN}[[stage]]\nname = \"drawdown\"\nwater = [{{ level = 6 }}]\n\
+         [[stage]]\nname = \"fill\"\nundrained = true\n\
+         load = [{{ kind = \"pressure\", set = \"top\", pressure = 5e4 }}]\n\
+         [[load]]\nkind = \"pressure\"\nset = \"top\"\npressure = 1e4\n\
+         function = {{ kind = \"ricker\", frequency = 100, delay = 0.01 }}\n"
+    );
+    let column = Column::new(0.4, [2, 1], "hex8-natural");
+    let of = |engine: Option<Arc<dyn Engine>>| {
+        let scene = column.read(&text).unwrap().into_scene();
+        let scene = scene.with_step(TimeStep::OfStable(0.9));
+        run(match engine {
+            Some(engine) => scene.with_engine(engine),
+            None => scene,
+        })
+    };
+    let alone = of(None);
+    let shared = ThreadRanks::run(2, |ranks| {
+        let leads = ranks.rank() == 0;
+        let engine = Arc::new(ExplicitOnRanks::new(Box::new(ranks)));
+        let histories = of(Some(engine)).histories;
+        Ok(leads.then_some(histories))
+    });
+    let shared = shared.into_iter().map(Result::unwrap);
+    let shared = shared.flatten().next().unwrap();
+    // The lowest and the highest part are in blocks of their own.
+    for place in ["z2.5", "z10.5"] {
+        for name in ["pore_pressure", "effective_zz", "pore_pressure_ratio"] {
+            let [alone, shared] = [&alone.histories, &shared].map(|table| {
+                let column = table.column(&format!("{place}.{name}"));
+                column.unwrap().values.clone()
+            });
+            assert_eq!(alone, shared, "{place} {name}");
+            assert!(
+                alone.iter().any(|value| *value != alone[0]),
+                "{place} {name}"
+            );
+        }
     }
 }
 
