@@ -27,7 +27,7 @@ enum Core {
 
 impl Core {
     fn law(self) -> AnyLaw {
-        let threshold = 1.5e-5;
+        let threshold = 2.5e-5;
         match self {
             Self::Rock => LinearElastic::new(rock()).into(),
             Self::Yielding => {
@@ -46,11 +46,11 @@ impl Core {
                     threshold,
                     tension: MazarsTension::Rates {
                         share: 1.0,
-                        rate: 1.5 / threshold,
+                        rate: 0.5 / threshold,
                     },
                     compression_share: 1.0,
-                    compression_rate: 1.5 / threshold,
-                    residual_stiffness: 1e-3,
+                    compression_rate: 0.5 / threshold,
+                    residual_stiffness: 0.05,
                 });
                 law.unwrap().into()
             }
@@ -152,16 +152,22 @@ fn error(core: Core, angles: [f64; 2], size: f64, length: f64) -> [f64; 2] {
     [apart(&found, &exact), apart(&exact, &plain)]
 }
 
+/// A core that yields, which changes the motion by 0.38 of its norm, moves as in a body of 1200 m whose ends absorb: within 3 % with elements
+/// of 5 m, where waves along the body disperse in it and not in the slice. Two minutes:
+/// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
 #[test]
-#[ignore = "probe"]
-fn probe() {
-    let of = |name: &str, default: f64| std::env::var(name).map_or(default, |x| x.parse().unwrap());
-    let core = match std::env::var("PH_CORE").as_deref() {
-        Ok("y") => Core::Yielding,
-        Ok("b") => Core::Brittle,
-        _ => Core::Rock,
-    };
-    let angles = [of("PH_I", 25.0), of("PH_A", 45.0)];
-    let [error, effect] = error(core, angles, of("PH_H", 5.0), of("PH_L", 600.0));
-    println!("{angles:?}: error {error:.4}, effect {effect:.3}");
+#[ignore = "two minutes"]
+fn a_core_that_yields_moves_as_in_a_long_body() {
+    let [error, effect] = error(Core::Yielding, [25.0, 45.0], 5.0, 1200.0);
+    println!("error {error:.4}, effect {effect:.3}");
+    assert!(error < 0.03 && effect > 0.3, "{error} {effect}");
+}
+
+/// A core that cracks at 0.91 of the slowness of P waves moves as in a body of 1200 m: within 4 % of the norm. Two minutes, as above.
+#[test]
+#[ignore = "two minutes"]
+fn a_core_that_cracks_moves_as_in_a_long_body() {
+    let [error, effect] = error(Core::Brittle, [30.5, 90.0], 5.0, 1200.0);
+    println!("error {error:.4}, effect {effect:.3}");
+    assert!(error < 0.04 && effect > 0.1, "{error} {effect}");
 }
