@@ -110,7 +110,7 @@ impl core::fmt::Display for StiffPart {
         let Self { set, ratio } = self;
         write!(
             f,
-            "P waves of part '{set}' travel at {ratio:.2} of the speed of the motion along y: a part of its inertia along the axis is moved to the ground around it, and its axial stress is within {:.0} %, too large; below {STIFF} it is exact",
+            "P waves of part '{set}' travel at {ratio:.2} of the speed of the motion along y: a part of its inertia along the axis is moved to the ground around it, and its axial stress is within {:.0} %, too large, if it is thin as a lining is; below {STIFF} it is exact",
             100.0 * self.error()
         )
     }

@@ -60,7 +60,8 @@ impl Model {
         let (Some(motion), coupling) = (&mut slice.motion, &mut slice.coupling) else {
             return;
         };
-        let (sides, free, held) = (&slice.sides, &slice.free, &slice.held);
+        let (sides, free) = (&slice.sides, &slice.free);
+        let (bare, held) = (&slice.bare, &slice.held);
         let (mass, lumping, s) = (&slice.mass, &slice.lumping, slice.slowness);
         let mut force = core::mem::take(&mut coupling.force);
         let known = &*coupling;
@@ -90,20 +91,24 @@ impl Model {
                     let turned = known.across(group, axial);
                     x -= turned[0];
                     z -= turned[1];
+                    if !free[group] {
+                        let applied = sums.on_group(group);
+                        x += applied.x;
+                        z += applied.z;
+                    }
                     let before = old[group];
-                    *new = match free[group] {
+                    *new = match bare[group] {
                         true => {
                             let gain = &gain[group];
                             [before[0] + gain[0] * x, before[1] + gain[2] * z]
                         }
                         false => {
-                            let applied = sums.on_group(group);
                             let [u_x, u_z] = displacement[group];
                             let stretch = Vec3::new(u_x, 0.0, u_z) - Part::Plane.of(origin[group]);
                             let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
                             let own = (&groups[group], &inertia, held[group]);
                             let before = Vec3::new(before[0], 0.0, before[1]);
-                            let force = Vec3::new(x + applied.x, 0.0, z + applied.z);
+                            let force = Vec3::new(x, 0.0, z);
                             let new = linear(Part::Plane, own, (force, stretch, before), step);
                             [new.x, new.z]
                         }
@@ -131,7 +136,7 @@ impl Model {
         let (Some(motion), coupling) = (&mut slice.motion, &slice.coupling) else {
             return;
         };
-        let (free, held) = (&slice.free, &slice.held);
+        let (bare, free, held) = (&slice.bare, &slice.free, &slice.held);
         let (mass, lumping, s) = (&slice.mass, &slice.lumping, slice.slowness);
         let (gain, plane) = (&coupling.gain.1, &motion.plane.velocity);
         let axial = &mut motion.axial;
@@ -143,11 +148,13 @@ impl Model {
             .map(|(chunk, new)| {
                 let mut sound = true;
                 for (group, new) in (chunk * CHUNK..).zip(new) {
-                    let force = -coupling.force[group] - coupling.along(group, plane);
-                    *new = match free[group] {
+                    let mut force = -coupling.force[group] - coupling.along(group, plane);
+                    if !free[group] {
+                        force += sums.on_group(group).y;
+                    }
+                    *new = match bare[group] {
                         true => old[group] + gain[group][1] * force,
                         false => {
-                            let force = force + sums.on_group(group).y;
                             let stretch = displacement[group] - origin[group].y;
                             let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
                             let own = (&groups[group], &inertia, held[group]);

@@ -1,11 +1,10 @@
-//! Slices against bodies with their whole length, whose core yields or cracks.
+//! Slices against bodies with their whole length, whose core yields.
 
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::{AnyLaw, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model};
 use powerhouse_material_damage::{
-    ElastoPlastic, LinearElastic, Mazars, MazarsParameters, MazarsTension, MohrCoulomb,
-    MohrCoulombParameters,
+    ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters,
 };
 use powerhouse_model::{
     AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, Mesh, TimeIntegrator, Vec3,
@@ -22,12 +21,10 @@ const SECTION: [f64; 2] = [60.0, 60.0];
 enum Core {
     Rock,
     Yielding,
-    Brittle,
 }
 
 impl Core {
     fn law(self) -> AnyLaw {
-        let threshold = 1.5e-5;
         match self {
             Self::Rock => LinearElastic::new(rock()).into(),
             Self::Yielding => {
@@ -39,20 +36,6 @@ impl Core {
                     tension_strength: None,
                 });
                 ElastoPlastic::new(surface.unwrap()).into()
-            }
-            Self::Brittle => {
-                let law = Mazars::new(MazarsParameters {
-                    medium: rock(),
-                    threshold,
-                    tension: MazarsTension::Rates {
-                        share: 1.0,
-                        rate: 1.5 / threshold,
-                    },
-                    compression_share: 1.0,
-                    compression_rate: 1.5 / threshold,
-                    residual_stiffness: 1e-3,
-                });
-                law.unwrap().into()
             }
         }
     }
@@ -152,16 +135,13 @@ fn error(core: Core, angles: [f64; 2], size: f64, length: f64) -> [f64; 2] {
     [apart(&found, &exact), apart(&exact, &plain)]
 }
 
+/// A core that yields, which changes the motion by 0.38 of its norm, moves as in a body of 1200 m whose ends absorb: within 3 % with elements
+/// of 5 m, where waves along the body disperse in it and not in the slice. Two minutes:
+/// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
 #[test]
-#[ignore = "probe"]
-fn probe() {
-    let of = |name: &str, default: f64| std::env::var(name).map_or(default, |x| x.parse().unwrap());
-    let core = match std::env::var("PH_CORE").as_deref() {
-        Ok("y") => Core::Yielding,
-        Ok("b") => Core::Brittle,
-        _ => Core::Rock,
-    };
-    let angles = [of("PH_I", 25.0), of("PH_A", 45.0)];
-    let [error, effect] = error(core, angles, of("PH_H", 5.0), of("PH_L", 600.0));
-    println!("{angles:?}: error {error:.4}, effect {effect:.3}");
+#[ignore = "two minutes"]
+fn a_core_that_yields_moves_as_in_a_long_body() {
+    let [error, effect] = error(Core::Yielding, [25.0, 45.0], 5.0, 1200.0);
+    println!("error {error:.4}, effect {effect:.3}");
+    assert!(error < 0.03 && effect > 0.3, "{error} {effect}");
 }

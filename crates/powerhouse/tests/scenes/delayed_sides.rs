@@ -72,7 +72,7 @@ fn still_stations(mesh: &Mesh) -> String {
     let mut rows = "x [m],y [m],z [m],inner [1],time [s],ux [m],uy [m],uz [m]\n".to_owned();
     for at in mesh.positions() {
         let inner = u8::from(at.x.abs() < 40.1 && at.z > -40.1);
-        for time in [0.0, 0.5, 1.0] {
+        for time in [0.0, 0.1, 0.2] {
             rows += &format!("{},{},{},{inner},{time},0,0,0\n", at.x, at.y, at.z);
         }
     }
@@ -222,14 +222,14 @@ fn what_a_slice_does_not_take_is_refused() {
             "proportional to mass",
         ),
         (
-            "density = 2750",
-            "density = 2750\npore_water = { porosity = 0.15 }",
+            "young = 9.0e9\npoisson = 0.27\ndensity = 2750",
+            "young = 60e9\npoisson = 0.27\ndensity = 2750\npore_water = { porosity = 0.15 }",
             "water in the pores of part 'rock'",
             "without water",
         ),
         (
             "[time]",
-            "[[bolt]]\nname = \"nail\"\nsection = 4e-4\nyoung = 210e9\nlines = [[[0, 0, -50], [9, 0, -50]]]\n[time]",
+            "[[bolt]]\nname = \"nail\"\nsection = 4e-4\nyoung = 210e9\nlines = [[[0, 0, -50], [9, 0, -50]]]\n[[stage]]\nname = \"ground\"\nbolts = [\"nail\"]\nsupport = [{ kind = \"fixed\", set = \"bottom\" }]\n[time]",
             "does not take bolts",
             "whole length",
         ),
@@ -273,15 +273,72 @@ fn what_a_slice_does_not_take_is_refused() {
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
+/// The mesh with a core of the elements at some places.
+fn with_core(is_core: impl Fn(Vec3) -> bool) -> Mesh {
+    let mut mesh = mesh();
+    let all = 0..mesh.element_count() as u32;
+    let (core, rest): (Vec<u32>, Vec<u32>) =
+        all.partition(|element| is_core(mesh.centroid(*element)));
+    mesh.set_element_set("core", core).unwrap();
+    mesh.set_element_set("rock", rest).unwrap();
+    mesh
+}
+
+/// A wall in the ground whose P waves are faster than the motion along y comes with a warning that has their ratio, one that is
+/// slower without, and one that is too fast is refused with the largest incidence; at that incidence it is accepted.
+#[test]
+fn stiff_parts_come_with_a_warning_up_to_a_bound() {
+    let mesh = with_core(|at| at.x.abs() < 10.0 && at.z > -70.0 && at.z < -30.0);
+    let part = "[[material]]\nname = \"concrete\"\nlaw = \"elastic\"\nyoung = 40e9\npoisson = 0.2\ndensity = 2500\n[[part]]\nset = \"core\"\nmaterial = \"concrete\"\nkernel = \"hex8-full\"\n";
+    let told = |incidence: f64| {
+        let text = GROUND.replacen("[[wave]]", &format!("{part}[[wave]]"), 1);
+        let own = format!("incidence = {incidence}\nazimuth = 90");
+        let text = text.replacen("incidence = 25\nazimuth = 60", &own, 1);
+        let scene = scene_on(&mesh, &text).unwrap().into_scene();
+        let stiff = scene.stiff_parts();
+        let simulation = scene.prepare().map_err(|error| error.to_string())?;
+        let warnings = simulation.remarks().iter().filter(|r| r.is_warning());
+        Ok((stiff, warnings.map(|r| r.to_string()).collect::<Vec<_>>()))
+    };
+    let speeds = [9.0e9, 40.0e9].map(|young| {
+        let [poisson, density] = if young > 1e10 {
+            [0.2, 2500.0]
+        } else {
+            [0.27, 2750.0]
+        };
+        powerhouse::model::ElasticMedium::new(young, poisson, density).unwrap()
+    });
+    let ratio =
+        |degrees: f64| degrees.to_radians().sin() * speeds[1].p_speed() / speeds[0].s_speed();
+    for (incidence, most) in [(14.0, None), (16.0, Some("3 %")), (25.0, Some("8 %"))] {
+        let (stiff, warnings) = told(incidence).unwrap_or_else(|error: String| panic!("{error}"));
+        let Some(most) = most else {
+            assert!(stiff.is_empty() && warnings.is_empty(), "{warnings:?}");
+            continue;
+        };
+        assert_eq!(stiff.len(), 1);
+        assert!((stiff[0].ratio - ratio(incidence)).abs() < 1e-9);
+        let expected = format!("part 'core' travel at {:.2} of the speed", ratio(incidence));
+        let found = warnings.iter().filter(|w| w.contains(&expected));
+        let found: Vec<&String> = found.collect();
+        assert!(found.len() == 1 && found[0].contains(most), "{warnings:?}");
+    }
+    let refused = told(30.0).unwrap_err();
+    let largest = (1.6 * speeds[0].s_speed() / speeds[1].p_speed())
+        .asin()
+        .to_degrees();
+    let way = format!("of SV waves is at most {largest:.1} degrees");
+    assert!(
+        refused.contains("part 'core'") && refused.contains(&way),
+        "{refused}"
+    );
+    assert!(told(largest - 0.01).is_ok());
+}
+
 /// Parts, joints and structures beside the ground that such slices do not take.
 #[test]
 fn what_lies_in_the_ground_of_a_slice_may_be_refused() {
-    let mut mesh = mesh();
-    let all = 0..mesh.element_count() as u32;
-    let core = |element: &u32| mesh.centroid(*element).x.abs() < 20.0;
-    let (core, rest): (Vec<u32>, Vec<u32>) = all.partition(core);
-    mesh.set_element_set("core", core).unwrap();
-    mesh.set_element_set("rock", rest).unwrap();
+    let mesh = with_core(|at| at.x.abs() < 20.0);
     let part = "[[part]]\nset = \"core\"\nmaterial = \"granite\"\nkernel = \"hex8-full\"\n";
     let joint =
         "[[joint]]\nname = \"seam\"\nbetween = [\"rock\", \"core\"]\nlaw = \"frictionless\"\n";

@@ -50,7 +50,8 @@ pub enum Support {
     },
     /// Delayed sides: the two sides of a slice along y, for a structure that is long along y under waves of any azimuth. The
     /// side of larger y moves as the other one, later by the travel time of the waves along y; in construction stages both
-    /// move as one. All waves need one slowness along y, below that of P waves in every part.
+    /// move as one. All waves need one slowness along y, below that of P waves in the ground; of a structure in which it is above, up to
+    /// 1.6 times, a part of the inertia is moved to the ground.
     Delayed {
         /// Node, facet or element set of the first side.
         from: At<String>,
