@@ -4,7 +4,8 @@ use crate::channel::{
     Channel, Fields, behind, contains, declared, find, first_behind, leading, missing, numbers,
     whole,
 };
-use crate::{AccelerationUnit, RecordError, RecordFault};
+use crate::unit::always_gal;
+use crate::{RecordError, RecordFault};
 
 pub(crate) const NAME: &str = "CSMNC text";
 
@@ -32,10 +33,7 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     }
     let unit = behind(unit, "UNIT:").unwrap_or_default();
     let word = unit.split_whitespace().next().unwrap_or_default();
-    let unit = AccelerationUnit::from_name(word).ok_or_else(|| {
-        let found = unit.chars().take(40).collect();
-        at(RecordFault::UnknownUnit { found })
-    })?;
+    let unit = always_gal(word, unit).map_err(at)?;
     // Lines of words follow the count, then the samples.
     let is_row = |row: &&str| {
         let start = row.trim_start();

@@ -3,7 +3,8 @@
 
 use crate::channel::{Channel, leading, missing, sample, whole};
 use crate::number::{fixed_width, number};
-use crate::{AccelerationUnit, RecordError, RecordFault};
+use crate::unit::always_gal;
+use crate::{RecordError, RecordFault};
 
 pub(crate) const NAME: &str = "CWB or TSMIP text";
 
@@ -33,10 +34,8 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
     let (_, duration) = quantity("RecordLength")?;
     let (unit_line, unit) = value("AmplitudeUnit")?;
     let word = unit.split_whitespace().next().unwrap_or_default();
-    let unit = AccelerationUnit::from_name(word.trim_end_matches('.')).ok_or_else(|| {
-        let found = unit.chars().take(40).collect();
-        RecordError::content(unit_line, 0, RecordFault::UnknownUnit { found })
-    })?;
+    let unit = always_gal(word.trim_end_matches('.'), unit)
+        .map_err(|fault| RecordError::content(unit_line, 0, fault))?;
     let (sequence_line, sequence) = value("DataSequence")?;
     let names: Vec<&str> = sequence
         .split([';', ' '])

@@ -191,6 +191,16 @@ pub enum RecordFault {
         /// Unit as written in the file.
         found: String,
     },
+    /// The unit of the file is not the one in which files of its format are.
+    #[error(
+        "the file's unit {found:?} is not {usual}, in which all files of this format are: its header may be damaged"
+    )]
+    UnusualUnit {
+        /// Unit as written in the file.
+        found: String,
+        /// Unit of the format.
+        usual: &'static str,
+    },
     /// The units of the file and of the caller differ.
     #[error("the file's unit is {found}, the declared one {declared}")]
     UnitConflict {

@@ -1,5 +1,7 @@
 //! Units of motions, as headers spell them.
 
+use crate::RecordFault;
+
 /// Unit of acceleration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -73,6 +75,20 @@ impl AccelerationUnit {
             "mg" => Self::MilliGravity,
             _ => return None,
         })
+    }
+}
+
+/// Unit (cm/s2) of a format all files of which are in it, from the word of its header and the rest of that line: a letter that is lost makes
+/// another unit of it.
+pub(crate) fn always_gal(word: &str, line: &str) -> Result<AccelerationUnit, RecordFault> {
+    let found = || line.chars().take(40).collect();
+    match AccelerationUnit::from_name(word) {
+        Some(AccelerationUnit::Gal) => Ok(AccelerationUnit::Gal),
+        Some(_) => Err(RecordFault::UnusualUnit {
+            found: found(),
+            usual: AccelerationUnit::Gal.name(),
+        }),
+        None => Err(RecordFault::UnknownUnit { found: found() }),
     }
 }
 

@@ -513,6 +513,36 @@ fn mutations_change_no_count_and_no_unit() {
     }
 }
 
+/// A letter that is lost from `CM/SEC/SEC` or `gal` makes another unit, in which no file of these formats is.
+#[test]
+fn a_unit_that_the_format_never_has_is_refused() {
+    let mut tried = 0;
+    for case in cases().iter().filter(|case| case.unit == "cm/s2") {
+        for (whole, damaged) in [
+            ("CM/SEC/SEC", "M/SEC/SEC"),
+            (": gal", ": g"),
+            ("gal.", "g."),
+        ] {
+            let text = case.text.replacen(whole, damaged, 1);
+            if !(case.name.starts_with("CSMNC") || case.name.starts_with("CWB"))
+                || text == case.text
+            {
+                continue;
+            }
+            let message = parse_record(text.as_bytes(), &RecordOptions::default())
+                .unwrap_err()
+                .to_string();
+            assert!(
+                message.contains("may be damaged"),
+                "{}: {message}",
+                case.name
+            );
+            tried += 1;
+        }
+    }
+    assert!(tried >= 3, "{tried}");
+}
+
 /// A count that differs is a warning, if the caller wants the samples as they are.
 #[test]
 fn counts_as_found_are_warnings() {
