@@ -106,10 +106,14 @@ impl Model {
                             let [u_x, u_z] = displacement[group];
                             let stretch = Vec3::new(u_x, 0.0, u_z) - Part::Plane.of(origin[group]);
                             let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
-                            let own = (&groups[group], &inertia, held[group]);
+                            let own = Inert {
+                                group: &groups[group],
+                                inertia,
+                                held: held[group],
+                            };
                             let before = Vec3::new(before[0], 0.0, before[1]);
                             let force = Vec3::new(x, 0.0, z);
-                            let new = linear(Part::Plane, own, (force, stretch, before), step);
+                            let new = linear(Part::Plane, own, (force, stretch), before, step);
                             [new.x, new.z]
                         }
                     };
@@ -157,10 +161,14 @@ impl Model {
                         false => {
                             let stretch = displacement[group] - origin[group].y;
                             let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
-                            let own = (&groups[group], &inertia, held[group]);
+                            let own = Inert {
+                                group: &groups[group],
+                                inertia,
+                                held: held[group],
+                            };
                             let vectors = [force, stretch, old[group]].map(|y| y * Vec3::y());
                             let [force, stretch, before] = vectors;
-                            linear(Part::Axial, own, (force, stretch, before), step).y
+                            linear(Part::Axial, own, (force, stretch), before, step).y
                         }
                     };
                     sound &= new.abs() <= limit;
@@ -174,6 +182,14 @@ impl Model {
     }
 }
 
+/// A group with its inertia (kg) along each axis, and which axes are fixed.
+#[derive(Clone, Copy)]
+pub(super) struct Inert<'a> {
+    pub(super) group: &'a NodeGroup,
+    pub(super) inertia: Vec3,
+    pub(super) held: [bool; 3],
+}
+
 /// Inertia of a group (kg) along each axis, `M - s^2 A`, from mass and `A`.
 pub(super) fn inertia_of(mass: f64, rigidity: Vec3, slowness: f64) -> Vec3 {
     Vec3::repeat(mass) - rigidity * (slowness * slowness)
@@ -181,18 +197,13 @@ pub(super) fn inertia_of(mass: f64, rigidity: Vec3, slowness: f64) -> Vec3 {
 
 /// New velocity (m/s) of a group along some axes, from its force without dashpot and spring (N), the elongation of the spring (m) and
 /// the velocity before; all have components along these axes alone.
-fn linear(
-    part: Part,
-    (group, inertia, held): (&NodeGroup, &Vec3, [bool; 3]),
-    (force, stretch, before): (Vec3, Vec3, Vec3),
-    step: f64,
-) -> Vec3 {
-    if group.mass <= 0.0 {
+fn linear(part: Part, own: Inert, (force, stretch): (Vec3, Vec3), before: Vec3, step: f64) -> Vec3 {
+    if own.group.mass <= 0.0 {
         return Vec3::zeros();
     }
-    let force = force - part.of(group.spring * stretch);
-    let impulse = inertia.component_mul(&before) + force * step;
-    let [velocity, _] = kicked(part, (group, inertia, held), (impulse, before), step);
+    let force = force - part.of(own.group.spring * stretch);
+    let impulse = own.inertia.component_mul(&before) + force * step;
+    let [velocity, _] = kicked(part, own, (impulse, before), step);
     velocity
 }
 
@@ -200,15 +211,20 @@ fn linear(
 /// before; with the impulse that dashpots, springs and mass damping take.
 pub(super) fn kicked(
     part: Part,
-    (group, inertia, held): (&NodeGroup, &Vec3, [bool; 3]),
+    own: Inert,
     (impulse, before): (Vec3, Vec3),
     step: f64,
 ) -> [Vec3; 2] {
+    let Inert {
+        group,
+        inertia,
+        held,
+    } = own;
     // Dashpots act on the mean velocity, springs by average acceleration, as everywhere in the engine.
     let damped = |v: &Vec3| part.of(group.dashpot * v + v * group.mass_damping) * (0.5 * step);
     let sprung = |v: &Vec3| part.of(group.spring * v) * (0.25 * step * step);
     let right = impulse - damped(&before) + sprung(&before);
-    let after = solve(part, (group, inertia), (right, held), step);
+    let after = solve(part, (group, &inertia), (right, held), step);
     [after, damped(&(before + after)) + sprung(&(after - before))]
 }
 

@@ -3,7 +3,7 @@
 use powerhouse_model::{ForceTerms, HistoryUpdate, MassDampingRule, Quad, RunError, Vec3};
 use rayon::prelude::*;
 
-use super::linear::kicked;
+use super::linear::{Inert, kicked};
 use super::{DelayedMotion, DelayedSlice, Part, Works};
 use crate::Model;
 use crate::gather::CHUNK;
@@ -413,7 +413,11 @@ fn kick(
     let momentum = part.of(motion.momentum(index)) + force * step;
     let lag = rigidity.component_mul(&before) * s;
     let predicted = part.of(traction * 2.0 - motion.traction(index)) + lag;
-    let own = (group, &slice.inertia(index), slice.held[index]);
+    let own = Inert {
+        group,
+        inertia: slice.inertia(index),
+        held: slice.held[index],
+    };
     let [velocity, lost] = kicked(part, own, (momentum - predicted * s, before), step);
     Kicked {
         velocity,

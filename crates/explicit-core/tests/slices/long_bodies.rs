@@ -135,7 +135,7 @@ fn error(core: Core, angles: [f64; 2], size: f64, length: f64) -> [f64; 2] {
     [apart(&found, &exact), apart(&exact, &plain)]
 }
 
-/// A core that yields, which changes the motion by 0.38 of its norm, moves as in a body of 1200 m whose ends absorb: within 3 % with elements
+/// A core that yields changes the motion by 0.38 of its norm, and moves as in a body of 1200 m whose ends absorb: within 3 % with elements
 /// of 5 m, where waves along the body disperse in it and not in the slice. Two minutes:
 /// `cargo test -p powerhouse-explicit-core --test explicit-core -- --ignored slices`.
 #[test]
