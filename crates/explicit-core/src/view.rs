@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use powerhouse_model::{
     EFFECTIVE_STRESS, JointView, NodalView, PORE_PRESSURE, Quad, StepView, Stress, Vec3,
+    effective_stress,
 };
 
 use crate::Model;
@@ -114,12 +115,7 @@ impl StepView for View<'_> {
             return shown(variable);
         };
         let pressure = shown(PORE_PRESSURE.name)?;
-        let total = self.stress(element).0[component];
-        Some(if component < 3 {
-            total + pressure
-        } else {
-            total
-        })
+        Some(effective_stress(self.stress(element), pressure).0[component])
     }
     fn embedded(&self, block: &str, variable: &str) -> Option<Vec<f64>> {
         self.model.embedded_values(block, variable)

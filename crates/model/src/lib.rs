@@ -121,7 +121,9 @@ pub use mesh::{
 pub use nodal::{NodalScalar, NodalView, NodalViewMut, Quad};
 pub use periodic::PeriodicPairs;
 pub use point_law::{PointAdapter, PointLaw};
-pub use pore_water::{EFFECTIVE_STRESS, EXCESS_PORE_PRESSURE, PORE_PRESSURE, PORE_PRESSURE_RATIO};
+pub use pore_water::{
+    EFFECTIVE_STRESS, EXCESS_PORE_PRESSURE, PORE_PRESSURE, PORE_PRESSURE_RATIO, effective_stress,
+};
 pub use program::{
     NumberFormat, Program, ProgramBranch, ProgramError, ProgramLoop, ProgramOperation, ProgramParts,
 };

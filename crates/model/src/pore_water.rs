@@ -1,6 +1,6 @@
 //! Element values of ground with water in its pores, by the names that results have for them.
 
-use crate::HistoryVariable;
+use crate::{HistoryVariable, Stress};
 
 /// Pressure of the water (Pa, compression positive): that of static states, and what it has risen by since.
 pub const PORE_PRESSURE: HistoryVariable = HistoryVariable::amount("pore_pressure", "Pa");
@@ -27,3 +27,9 @@ pub const EFFECTIVE_STRESS: [HistoryVariable; 6] = [
     HistoryVariable::component("effective_yz", "Pa"),
     HistoryVariable::component("effective_zx", "Pa"),
 ];
+
+/// Effective stress (Pa) of a total stress and the pressure of the water (Pa).
+pub fn effective_stress(total: Stress, pressure: f64) -> Stress {
+    let [xx, yy, zz, xy, yz, zx] = total.0;
+    Stress([xx + pressure, yy + pressure, zz + pressure, xy, yz, zx])
+}

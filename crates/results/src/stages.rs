@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use powerhouse_io::{FieldPrecision, IoError, VtuField, VtuNumbers, VtuWriter, write_table};
-use powerhouse_model::{EFFECTIVE_STRESS, HistoryVariable, Mesh, PORE_PRESSURE, State, Stress};
+use powerhouse_model::{
+    EFFECTIVE_STRESS, HistoryVariable, Mesh, PORE_PRESSURE, State, Stress, effective_stress,
+};
 
 use crate::joints::{JointFacets, scalars};
 use crate::vtu::{numbers, unit};
@@ -96,9 +98,14 @@ impl StageFiles {
         }
         let effective: Vec<Vec<f64>> = match stage.pore_pressure {
             [] => Vec::new(),
-            pressures => (0..EFFECTIVE_STRESS.len())
-                .map(|component| effective_stress(stage.stress, pressures, component))
-                .collect(),
+            pressures => {
+                let wet = stage.stress.iter().zip(pressures);
+                let all: Vec<Stress> = wet
+                    .map(|(total, pressure)| effective_stress(*total, *pressure))
+                    .collect();
+                let component = |i: usize| all.iter().map(|stress| stress.0[i]).collect();
+                (0..EFFECTIVE_STRESS.len()).map(component).collect()
+            }
         };
         let water = (!effective.is_empty()).then_some((&PORE_PRESSURE, stage.pore_pressure));
         let effective = effective.iter().map(Vec::as_slice);
@@ -112,17 +119,6 @@ impl StageFiles {
         let number = (stage.index + 1) as f64;
         self.writer.write(file, number, &nodal, &elemental)
     }
-}
-
-/// Component of the effective stress of each element (Pa), from total stresses and pressures of the water (Pa).
-fn effective_stress(stresses: &[Stress], pressures: &[f64], component: usize) -> Vec<f64> {
-    let is_normal = component < 3;
-    let all = stresses.iter().zip(pressures);
-    let effective = all.map(|(stress, pressure)| match is_normal {
-        true => stress.0[component] + pressure,
-        false => stress.0[component],
-    });
-    effective.collect()
 }
 
 /// Element values of a history variable, zero where the law does not have it.

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use crate::builtin;
-use crate::resolve::pore_water::water_pressure;
+use crate::resolve::pore_water::{PressureKeys, water_pressure};
 use crate::spec::{
     At, BoundarySection, JointSection, Material as MaterialTable, OwnOutput, Parameters, SceneSpec,
     WATER_BULK_MODULUS,
@@ -343,7 +343,11 @@ impl Registry {
             .map_or(WATER_BULK_MODULUS, |k| k.get());
         let water = PoreWater::new(bulk_modulus, given.porosity.get());
         let water = water.map_err(|error| Fault::refused(given.span(), error))?;
-        let keys = (&given.level, &given.pressures, given.density);
+        let keys = PressureKeys {
+            level: given.level.as_ref(),
+            pressures: given.pressures.as_ref(),
+            density: given.density,
+        };
         let pressure = water_pressure(given.span(), keys)?;
         Ok(material.with_pore_water(match pressure {
             Some(pressure) => water.with_pressure(pressure),

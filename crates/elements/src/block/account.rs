@@ -240,22 +240,11 @@ pub(super) struct StepSums {
     bending_plastic: f64,
     /// Whether the law has energies of its own.
     has_energies: bool,
-    /// Whether the work is required alone, not the stored energy.
-    of_work: bool,
+    /// Whether the stored energy is required in the step, or the work alone.
+    pub(super) requires_stored: bool,
 }
 
 impl StepSums {
-    /// Sums of zero; the stored energy is required, or the work alone.
-    pub(super) fn new(requires_stored: bool) -> Self {
-        Self {
-            of_work: !requires_stored,
-            ..Self::default()
-        }
-    }
-    /// Whether the stored energy is required in the step.
-    pub(super) fn requires_stored(&self) -> bool {
-        !self.of_work
-    }
     /// Begins the bookkeeping of a batch with its stored energy.
     #[inline(always)]
     pub(super) fn enter<L: BatchLane<Scalar = S>, S: BatchScalar, const N: usize>(
@@ -346,7 +335,10 @@ where
     pub(super) fn sums_of(&self, context: &BlockContext) -> StepSums {
         let reads = context.history_update == HistoryUpdate::Buffered;
         let begins = !self.account.is_followed_by(context.number);
-        StepSums::new(reads || begins || !self.law.telescopes())
+        StepSums {
+            requires_stored: reads || begins || !self.law.telescopes(),
+            ..StepSums::default()
+        }
     }
 
     /// Accumulates the energies of the step that ends at the context.
@@ -413,7 +405,7 @@ where
                 let rest = sums.work - of_law;
                 if self.law.telescopes() {
                     account.given += sums.work + sums.entered - sums.left;
-                    if sums.requires_stored() {
+                    if sums.requires_stored {
                         spent.relaxation = account.given - sums.stored;
                     }
                 } else if account.has_energies && self.law.relaxes() {

@@ -261,8 +261,7 @@ where
         let rates = self.rates.as_ref();
         let bookkeeping = rates.and_then(|rates| rates.bookkeeping.as_ref());
         let required = Required {
-            energy: self.survey.is_some()
-                || bookkeeping.is_some_and(|of| of.sums.requires_stored()),
+            energy: self.survey.is_some() || bookkeeping.is_some_and(|of| of.sums.requires_stored),
             work: bookkeeping.is_some(),
             all: rates.is_some_and(|rates| rates.damping != 0.0)
                 || (self.moduli.resist() && self.kernel.own_history() > 0),

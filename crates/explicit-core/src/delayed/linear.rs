@@ -215,31 +215,27 @@ pub(super) fn kicked(
     (impulse, before): (Vec3, Vec3),
     step: f64,
 ) -> [Vec3; 2] {
-    let Inert {
-        group,
-        inertia,
-        held,
-    } = own;
+    let group = own.group;
     // Dashpots act on the mean velocity, springs by average acceleration, as everywhere in the engine.
     let damped = |v: &Vec3| part.of(group.dashpot * v + v * group.mass_damping) * (0.5 * step);
     let sprung = |v: &Vec3| part.of(group.spring * v) * (0.25 * step * step);
     let right = impulse - damped(&before) + sprung(&before);
-    let after = solve(part, (group, &inertia), (right, held), step);
+    let after = solve(part, own, right, step);
     [after, damped(&(before + after)) + sprung(&(after - before))]
 }
 
 /// Velocity (m/s) along some axes from the impulse (N s) that the inertia (kg) of a group, with dashpots and springs, takes;
 /// zero along fixed axes.
-fn solve(
-    part: Part,
-    (group, mass): (&NodeGroup, &Vec3),
-    (impulse, held): (Vec3, [bool; 3]),
-    step: f64,
-) -> Vec3 {
+fn solve(part: Part, own: Inert, impulse: Vec3, step: f64) -> Vec3 {
+    let Inert {
+        group,
+        inertia,
+        held,
+    } = own;
     let (half, quarter) = (0.5 * step, 0.25 * step * step);
     let entry = |i: usize, j: usize| {
         let own = if i == j {
-            mass[i] + half * group.mass_damping
+            inertia[i] + half * group.mass_damping
         } else {
             0.0
         };

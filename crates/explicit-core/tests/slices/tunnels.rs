@@ -226,28 +226,47 @@ struct Grid {
     outward: usize,
 }
 
+/// A slice of a wave in a box, with the table that it is compared with.
+struct Compared {
+    table: Table,
+    model: Model,
+    step: f64,
+    /// Time (s) of the last sample that is compared.
+    end: f64,
+}
+
+/// The slice of a case around a hole with some rings, under a pulse of a frequency (Hz), from a time before it is at the axis on:
+/// `lead` (s) more than the way from the corner of the box takes.
+fn compared(case: &Case, grid: &Grid, rings: &[f64], [frequency, lead]: [f64; 2]) -> Compared {
+    let table = Table::read(case.name);
+    let half = grid.radii * RADIUS;
+    let mesh = around_a_hole(rings, half, grid.round, grid.outward);
+    let field = full_space(case.kind, case.angles, frequency);
+    let start = -lead - 1.5 * half / case.kind.speed(&rock());
+    let mut model = model(&mesh, &field, slowness(case.kind, case.angles), start);
+    Compared {
+        step: model.stable_step(&Leapfrog).unwrap().step,
+        end: table.rows[table.rows.len() - 3][0],
+        table,
+        model,
+    }
+}
+
 /// Error of the displacements at eight points of the wall of a cavity over a table in time, as a share of their norm.
 fn cavity(case: &Case, grid: &Grid) -> f64 {
-    let &Case { kind, angles, name } = case;
-    let &Grid {
-        radii,
-        round,
-        outward,
-    } = grid;
-    let table = Table::read(name);
-    let mesh = around_a_hole(&[RADIUS], radii * RADIUS, round, outward);
-    let field = full_space(kind, angles, 40.0);
-    // The wave is at the corner of the box this long before it is at the axis.
-    let start = -0.05 - 1.5 * radii * RADIUS / kind.speed(&rock());
-    let mut model = model(&mesh, &field, slowness(kind, angles), start);
-    let step = model.stable_step(&Leapfrog).unwrap().step;
+    let Compared {
+        table,
+        mut model,
+        step,
+        end,
+    } = compared(case, grid, &[RADIUS], [40.0, 0.05]);
+    let round = grid.round;
     let wall: Vec<(u32, u32)> = (0..8)
         .map(|k| {
             let first = 2 * (k * round / 8) as u32;
             (first, first + 1)
         })
         .collect();
-    let end = table.rows[table.rows.len() - 3][0];
     let (mut missed, mut all) = (0.0, 0.0);
     while model.time() < end {
         Leapfrog.step(&mut model, step).unwrap();
@@ -356,18 +375,13 @@ const RINGS: [(Case, f64, f64); 4] = [
 /// What a ring in a box of a grid errs by: its axial stress over all points and times as a share of the norm, its largest one
 /// over that of the table less one, and the hoop stress.
 fn ring(case: &Case, grid: &Grid) -> [f64; 3] {
-    let &Case { kind, angles, name } = case;
-    let &Grid {
-        radii,
-        round,
-        outward,
-    } = grid;
-    let table = Table::read(name);
-    let mesh = around_a_hole(&[4.5, 4.75, 5.0], radii * RADIUS, round, outward);
-    let field = full_space(kind, angles, 25.0);
-    let start = -0.07 - 1.5 * radii * RADIUS / kind.speed(&rock());
-    let mut model = model(&mesh, &field, slowness(kind, angles), start);
-    let step = model.stable_step(&Leapfrog).unwrap().step;
+    let Compared {
+        table,
+        mut model,
+        step,
+        end,
+    } = compared(case, grid, &[4.5, 4.75, 5.0], [25.0, 0.07]);
+    let round = grid.round;
     let columns: Vec<[[usize; 2]; 2]> = (0..8)
         .map(|k| {
             let column =
@@ -375,7 +389,6 @@ fn ring(case: &Case, grid: &Grid) -> [f64; 3] {
             ["yy", "tt"].map(|name| ["i", "o"].map(|side| column(name, side)))
         })
         .collect();
-    let end = table.rows[table.rows.len() - 3][0];
     let (mut missed, mut all, mut count) = ([0.0; 2], [0.0; 2], 0);
     let (mut largest, mut expected) = (0.0_f64, 0.0_f64);
     while model.time() < end {

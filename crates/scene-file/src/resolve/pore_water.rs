@@ -11,22 +11,26 @@ use powerhouse_scene::{Fault, Problem, Remark, SaturatedMaterial, Seepage};
 
 use crate::spec::{At, Finite, Positive, SceneSpec, water_weight};
 
-/// Keys of a pressure at rest: level (m), table of heights (m) and pressures (Pa), and density of the water (kg/m3).
-type PressureKeys<'a> = (
-    &'a Option<At<Finite>>,
-    &'a Option<At<Vec<[Finite; 2]>>>,
-    Option<Positive>,
-);
+/// Keys of a pressure at rest.
+#[derive(Clone, Copy)]
+pub(crate) struct PressureKeys<'a> {
+    /// Height z of the level (m).
+    pub(crate) level: Option<&'a At<Finite>>,
+    /// Heights z (m) and pressures (Pa).
+    pub(crate) pressures: Option<&'a At<Vec<[Finite; 2]>>>,
+    /// Density of the water (kg/m3).
+    pub(crate) density: Option<Positive>,
+}
 
 /// Pressure at rest of a table at a place in the text; none without level and pressures.
 pub(crate) fn water_pressure(
     table: Range<usize>,
-    (level, pressures, density): PressureKeys,
+    keys: PressureKeys,
 ) -> Result<Option<WaterPressure>, Fault> {
-    let (span, found) = match (level, pressures) {
+    let (span, found) = match (keys.level, keys.pressures) {
         (None, None) => return Ok(None),
         (Some(level), None) => {
-            let found = WaterPressure::hydrostatic(level.get(), water_weight(density));
+            let found = WaterPressure::hydrostatic(level.get(), water_weight(keys.density));
             (level.span(), found)
         }
         (None, Some(pressures)) => {

@@ -9,7 +9,7 @@ use powerhouse_model::Linearisation;
 use powerhouse_model::{Facet, Mesh, StaticMethod, StaticOptions, Stress, StressField, Support};
 
 use super::loads::{self, direction, mean_normal};
-use super::pore_water::given_pressure;
+use super::pore_water::{PressureKeys, given_pressure};
 use super::{Names, named, one_of, vector};
 use crate::spans::StageSpans;
 use crate::spec::{self, At, Finite, NonNegative, Positive, SceneSpec, StageSupport};
@@ -212,7 +212,11 @@ fn ground_water(
     stress: &At<spec::InSituStress>,
     water: &spec::GroundWater,
 ) -> Result<WaterPressure, Fault> {
-    let keys = (&water.level, &water.pressures, water.density);
+    let keys = PressureKeys {
+        level: water.level.as_ref(),
+        pressures: water.pressures.as_ref(),
+        density: water.density,
+    };
     given_pressure(stress.span(), keys)
 }
 
@@ -381,7 +385,11 @@ fn stage(
         });
     }
     for water in &table.water {
-        let keys = (&water.level, &water.pressures, water.density);
+        let keys = PressureKeys {
+            level: water.level.as_ref(),
+            pressures: water.pressures.as_ref(),
+            density: water.density,
+        };
         let level = StageWater::new(given_pressure(water.span(), keys)?);
         stage = stage.water(match &water.set {
             Some(set) => level.within(set.to_string()),
