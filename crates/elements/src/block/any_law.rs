@@ -156,6 +156,11 @@ impl AnyLaw {
     pub fn is_linear(&self) -> bool {
         self.law.is_linear()
     }
+    /// Whether the law is that of a linear skeleton with water in its pores.
+    pub(super) fn is_linear_ground(&self) -> bool {
+        let skeleton = self.water.as_ref().map(|water| &water.skeleton);
+        skeleton.is_some_and(|skeleton| skeleton.is_linear())
+    }
     /// The law for batches of elements; none for linear laws, which their medium defines.
     pub(super) fn in_lanes(&self) -> Option<&Arc<dyn BatchLaws>> {
         self.in_lanes.as_ref()

@@ -129,6 +129,9 @@ impl ConstitutiveLaw for Undamaged {
     fn medium(&self) -> ElasticMedium {
         self.0
     }
+    fn is_linear(&self) -> bool {
+        true
+    }
     fn history(&self) -> &[HistoryVariable] {
         &[]
     }

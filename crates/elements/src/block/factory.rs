@@ -239,6 +239,8 @@ where
             static_displacement: Vec::new(),
             committed_displacement: None,
             account: Account::default(),
+            is_linear_ground: self.law.is_linear_ground(),
+            forces_at_rest: None,
             law: LawForms::new(law),
         })
     }

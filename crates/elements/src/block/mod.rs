@@ -16,6 +16,7 @@ mod law_forms;
 mod linearised;
 mod locations;
 mod memory;
+mod nodal;
 mod numbers;
 mod operations;
 mod own;
@@ -24,6 +25,7 @@ mod pore_water;
 mod program;
 mod remaining;
 mod saved;
+mod spared;
 mod survey;
 mod transfer;
 mod water_pressure;
@@ -46,6 +48,7 @@ use law::HistoryAccess;
 use law_forms::LawForms;
 use locations::Locations;
 use memory::Connectivity;
+use nodal::{add, difference, doubled, in_double, is_narrower};
 use numbers::AlignedNumbers;
 use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates, Rest, StepTerms};
 use survey::Summary;
@@ -103,6 +106,11 @@ struct Block<K, S: NodeScalar, const N: usize, const P: usize> {
     /// That of the last committed static state, from which the elements' own histories follow; none if it is not known.
     committed_displacement: Option<Vec<Quad<f64>>>,
     account: Account<S>,
+    /// Whether the law is that of a linear skeleton with water in its pores.
+    is_linear_ground: bool,
+    /// Forces (N) that such ground has without displacement since its reference in dynamic steps, by local node index, and
+    /// empty if all are zero; none if they are not known.
+    forces_at_rest: Option<Vec<Quad<f64>>>,
 }
 
 impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
@@ -163,7 +171,9 @@ where
         } = terms;
         let damped = damping != 0.0;
         let follows = self.law.is_stepping() && self.follows_flow();
-        let needs_velocity = damped || follows || (sums.is_some() && !self.is_linear());
+        let spares_law = self.spares_law(damping);
+        let needs_velocity =
+            !spares_law && (damped || follows || (sums.is_some() && !self.is_linear()));
         if is_narrower::<S>(&out.view()) {
             // Nodes in lower precision than elements: few blocks, whose forces are rounded after their sum.
             let mut forces = vec![Quad::default(); displacement.len()];
@@ -180,6 +190,9 @@ where
         out.clear();
         // Only static states are linearised: the displacement of a dynamic step is not stored.
         let stores = !self.is_linear() && !self.law.is_stepping();
+        if !spares_law {
+            self.forces_at_rest = None;
+        }
         let adds_velocity = self.is_linear() && damped;
         let mut changed = Vec::new();
         if stores || adds_velocity || self.reference.is_some() {
@@ -209,6 +222,8 @@ where
         };
         let finite = if self.is_linear() {
             self.elastic(nodes, self.moduli, Some(out), None)
+        } else if spares_law {
+            self.forces_without_law(nodes, out)
         } else {
             let mut account = core::mem::take(&mut self.account);
             let mut history = core::mem::take(&mut self.history);
@@ -351,8 +366,9 @@ where
         // Inactive elements keep their committed history.
         let in_place = context.history_update == HistoryUpdate::InPlace;
         self.history.set_in_place(in_place && self.active.is_none());
+        let spares_law = self.spares_law(damping);
         let mut sums = self.sums_of(context);
-        let balanced = context.ledger.then_some(&mut sums);
+        let balanced = (context.ledger && !spares_law).then_some(&mut sums);
         let terms = StepTerms {
             step: context.step,
             damping,
@@ -363,7 +379,9 @@ where
         if !finite && let Some(fault) = self.fault(context).or_else(|| self.fault_of(out.view())) {
             return Err(fault);
         }
-        if context.ledger {
+        if spares_law {
+            self.show_pressures(context, displacement);
+        } else if context.ledger {
             self.book_step(context, &sums);
         }
         Ok(())
@@ -394,45 +412,12 @@ where
     }
 }
 
-/// Whether nodal values are stored in a lower precision than elements are computed in.
-fn is_narrower<S: NodeScalar>(nodes: &NodalView) -> bool {
-    matches!(nodes, NodalView::F32(_)) && const { size_of::<f32>() < size_of::<S>() }
-}
-
 /// The entry of an element in a list with one entry per element, or with one in all.
 fn of_element<T>(list: &[T], element: usize) -> &T {
     if list.len() == 1 {
         &list[0]
     } else {
         &list[element]
-    }
-}
-
-/// Nodal values in double precision.
-fn doubled<A: NodeScalar>(values: &[Quad<A>]) -> Vec<Quad<f64>> {
-    let values = values.iter();
-    values
-        .map(|value| Quad::from_vector(&value.to_vector()))
-        .collect()
-}
-
-/// Adds vectors times a factor.
-fn add<A: NodeScalar>(to: &mut [Quad<f64>], values: &[Quad<A>], factor: f64) {
-    for (to, value) in to.iter_mut().zip(values) {
-        *to = Quad::from_vector(&(to.to_vector() + value.to_vector() * factor));
-    }
-}
-
-/// The vector `a - b`.
-fn difference(a: Quad<f64>, b: Quad<f64>) -> Quad<f64> {
-    Quad::from_vector(&(a.to_vector() - b.to_vector()))
-}
-
-/// Nodal values of a view in double precision.
-fn in_double(view: NodalView) -> Vec<Quad<f64>> {
-    match view {
-        NodalView::F64(values) => values.to_vec(),
-        NodalView::F32(values) => doubled(values),
     }
 }
 
@@ -473,8 +458,9 @@ where
         self.is_linear() && self.damping.stiffness == 0.0
     }
     fn reads_velocity(&self, damping_shift: f64, ledger: bool) -> bool {
-        let damped = self.damping.stiffness + damping_shift != 0.0;
-        damped || self.follows_flow() || (ledger && !self.is_linear())
+        let damping = self.damping.stiffness + damping_shift;
+        let of_law = damping != 0.0 || self.follows_flow() || (ledger && !self.is_linear());
+        of_law && !self.spares_law(damping)
     }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         let converted;
@@ -536,6 +522,7 @@ where
     fn set_active(&mut self, active: &[bool]) {
         let some_are_off = active.iter().any(|active| !active);
         self.active = some_are_off.then(|| active.to_vec());
+        self.forces_at_rest = None;
         self.account.restart();
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
@@ -604,6 +591,7 @@ where
     fn set_history(&mut self, fields: &[HistoryField]) {
         let (arrangement, elements) = (self.arrangement, &self.elements);
         self.history.set_fields(&arrangement, elements, fields);
+        self.forces_at_rest = None;
         self.account.restart();
     }
     fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {

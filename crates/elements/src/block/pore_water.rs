@@ -430,7 +430,7 @@ where
     K: ElementKernel<N, P>,
     S: BatchScalar,
 {
-    /// Pressure beyond that at rest (Pa) at a point with a strain in a dynamic step; stores it where new histories are.
+    /// The pressure beyond that at rest (Pa) at a point with a strain in a dynamic step; stores it where new histories are.
     #[inline(always)]
     pub(super) fn raise_pressure<L: BatchLane<Scalar = S>>(
         &mut self,
@@ -438,15 +438,46 @@ where
         point: usize,
         strain: &Strain<L>,
     ) -> L {
-        let zero = strain.0[0].constant(0.0);
-        let old = committed(self.history.get(), zero, batch, point);
-        let excess = rise(old[0], &strain.0, zero.constant(self.moduli.water));
-        if let HistoryAccess::Write(history) = &mut self.history {
-            let changed = differ(&old[EXCESS..], &[excess]);
-            history.store_last(batch, point, &[excess], changed);
+        let stiffness = self.moduli.water;
+        match &mut self.history {
+            HistoryAccess::Write(history) => raise(history, (batch, point), strain, stiffness),
+            HistoryAccess::Read(history) => raised(history, (batch, point), strain, stiffness).0,
         }
-        excess
     }
+}
+
+/// Pressure beyond that at rest (Pa) at a point of a batch with a strain, from the pressure of the water per volume strain (Pa), and
+/// whether it changed.
+#[inline(always)]
+fn raised<L: BatchLane>(
+    history: &History<L::Scalar>,
+    (batch, point): (usize, usize),
+    strain: &Strain<L>,
+    stiffness: f64,
+) -> (L, bool)
+where
+    L::Scalar: BatchScalar,
+{
+    let zero = strain.0[0].constant(0.0);
+    let old = committed(history, zero, batch, point);
+    let excess = rise(old[0], &strain.0, zero.constant(stiffness));
+    (excess, differ(&old[EXCESS..], &[excess]))
+}
+
+/// The same pressure, which is stored.
+#[inline(always)]
+pub(super) fn raise<L: BatchLane>(
+    history: &mut History<L::Scalar>,
+    (batch, point): (usize, usize),
+    strain: &Strain<L>,
+    stiffness: f64,
+) -> L
+where
+    L::Scalar: BatchScalar,
+{
+    let (excess, changed) = raised(history, (batch, point), strain, stiffness);
+    history.store_last(batch, point, &[excess], changed);
+    excess
 }
 
 /// Pressures of the water beyond those at rest (Pa) at the points of a batch with strains; none where there is no water.

@@ -572,3 +572,96 @@ fn laws_of_blocks_have_water() {
     let strains = fields.iter().find(|field| field.name == "strain").unwrap();
     assert!(strains.values.iter().all(|strain| *strain > 0.0));
 }
+
+/// Saturated ground with a linear skeleton spares its law in steps: forces, pressures, stresses and energies are those with a law that
+/// never yields, from rest and after a drained state, where an element is off or strains have a reference, and its energy is
+/// constant in free motion. Steps that are not shown leave the pressures of those before.
+#[test]
+fn saturated_linear_ground_moves_without_its_law() {
+    for kernel in SolidKernel::ALL {
+        for (precision, tolerance) in [(Precision::F64, 1e-11), (Precision::Mixed, 3e-5)] {
+            let options = options(precision, LaneWidth::Native, 0.0);
+            let whole = Spared {
+                law: Yielding(rock(), 1e9),
+                has_domain: false,
+                evaluations: Arc::default(),
+            };
+            let of = |law: AnyLaw| Fixture::new(kernel, law.with_pore_water(water()), options);
+            let pair = &mut [of(linear(rock())), of(AnyLaw::new(whole))];
+            let (still, moved) = (pair[0].noise(1, 1e-3), pair[0].noise(2, 1e-4));
+            let (reference, rest) = (pair[0].noise(3, 5e-4), zeros(still.len()));
+            let check = |pair: &mut [Fixture; 2], u: &[Quad<f64>], state: &str| {
+                let name = format!("{} {precision:?} {state}", kernel.name());
+                let forces = pair.each_mut().map(|fixture| fixture.forces(u, &rest));
+                let error = misfit(&forces[0], &forces[1]);
+                assert!(error < tolerance, "{name} {error:e}");
+                for variable in ["excess_pore_pressure", "pore_pressure_ratio"] {
+                    let of_element = |block: &dyn ElementBlock| -> Vec<f64> {
+                        let elements = 0..block.elements().len();
+                        let of = |element| block.shown_history(element, variable).unwrap();
+                        elements.map(of).collect()
+                    };
+                    let [found, expected] = [0, 1].map(|i| of_element(pair[i].block.as_ref()));
+                    let size = expected.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+                    for (found, expected) in found.iter().zip(&expected) {
+                        let error = (found - expected).abs();
+                        assert!(
+                            error <= 10.0 * tolerance * size,
+                            "{name} {error:e} of {size:e}"
+                        );
+                    }
+                }
+                pair.iter_mut().for_each(|fixture| fixture.block.commit());
+                let [found, expected] = pair.each_ref().map(|fixture| {
+                    let context =
+                        BlockContext::new(when(0, 1e-4), NodalView::F64(u), NodalView::F64(&rest));
+                    fixture.block.energy(&context).total()
+                });
+                assert!(
+                    (found - expected).abs() <= 10.0 * tolerance * expected.abs(),
+                    "{name}"
+                );
+            };
+            check(pair, &moved, "from rest");
+            for fixture in pair.iter_mut() {
+                fixture.static_forces(&still);
+                fixture.block.commit();
+            }
+            check(pair, &sum(&still, &moved), "after a drained state");
+            let mut active = vec![true; pair[0].block.elements().len()];
+            active[0] = false;
+            pair.iter_mut()
+                .for_each(|fixture| fixture.block.set_active(&active));
+            check(pair, &still, "with an element off");
+            check(pair, &moved, "with an element off, elsewhere");
+            for fixture in pair.iter_mut() {
+                (fixture.block).set_reference_displacement(NodalView::F64(&reference));
+            }
+            check(pair, &sum(&still, &moved), "from a reference");
+            // Steps that are not shown leave the pressures of those before, but where elements condense strains of their own.
+            let pressure = |fixture: &Fixture| {
+                let shown = fixture.block.shown_history(1, "excess_pore_pressure");
+                shown.unwrap()
+            };
+            let mut own = of(linear(rock()));
+            own.forces(&moved, &rest);
+            own.block.commit();
+            let shown = pressure(&own);
+            let context =
+                BlockContext::new(when(1, 1e-4), NodalView::F64(&still), NodalView::F64(&rest));
+            own.forces_at(&context.with_history_update(HistoryUpdate::InPlace))
+                .unwrap();
+            own.block.commit();
+            let spares = pressure(&own) == shown;
+            assert_eq!(spares, kernel != SolidKernel::Hex8Eas, "{}", kernel.name());
+            if precision == Precision::F64 {
+                let (_, change, spent) = of(linear(rock())).free_motion(moved.clone());
+                assert!(change < 1e-10, "{} {change:e}", kernel.name());
+                assert_eq!(
+                    spent.total(),
+                    spent.elastic + spent.bending + spent.hourglass
+                );
+            }
+        }
+    }
+}

@@ -46,7 +46,7 @@ impl Model {
                     });
             }
         }
-        self.evaluate(terms, step)
+        self.evaluate(terms, self.present_step(step))
     }
 
     /// New velocities of x and z.

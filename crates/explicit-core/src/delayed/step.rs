@@ -1,6 +1,8 @@
 //! The operations of a step of a slice.
 
-use powerhouse_model::{ForceTerms, HistoryUpdate, MassDampingRule, Quad, RunError, Vec3};
+use powerhouse_model::{
+    ForceTerms, HistoryUpdate, MassDampingRule, Quad, RunError, StepTime, Vec3,
+};
 use rayon::prelude::*;
 
 use super::linear::{Inert, kicked};
@@ -18,6 +20,9 @@ struct GroupForces {
     internal: Vec3,
     traction: Vec3,
 }
+
+/// Displacement (m) and velocity (m/s) of a group at a moment of a step.
+type Moment = fn(&DelayedMotion, usize) -> [Vec3; 2];
 
 /// New velocity and momentum of a group along some axes, and its `T` along the others.
 #[derive(Clone, Copy, Default)]
@@ -80,13 +85,20 @@ impl Model {
         }
     }
 
-    /// Gives all nodes the motion that the slice has at a moment of a step, for the forces there.
-    fn place_slice(&mut self, moment: fn(&DelayedMotion, usize) -> [Vec3; 2]) {
+    /// Gives all nodes the displacement that the slice has at a moment of a step, for the forces there, and the mean velocity since
+    /// the forces before: that of the sides follows the velocities along some axes, which are new since then, beside their
+    /// displacement.
+    fn place_slice(&mut self, moment: Moment, new: Option<Part>) {
         let Some((slice, arrays, _)) = self.slice_parts() else {
             return;
         };
         let Some(motion) = &slice.motion else {
             return;
+        };
+        let lever = slice.slowness * slice.half / (0.5 * motion.step);
+        let moved = |group: usize, sign: f64| match new {
+            Some(part) => part.of(motion.velocity(group) - motion.before(group)) * (sign * lever),
+            None => Vec3::zeros(),
         };
         arrays
             .displacement
@@ -98,7 +110,7 @@ impl Model {
                 for ((displacement, velocity), &(group, sign)) in nodes {
                     let [u, v] = slice.of_side(sign, moment(motion, group as usize));
                     *displacement = Quad::from_vector(&u);
-                    *velocity = Quad::from_vector(&v);
+                    *velocity = Quad::from_vector(&(v + moved(group as usize, sign)));
                 }
             });
     }
@@ -154,8 +166,8 @@ impl Model {
 
     /// Momentum and `T` at the start, from the forces there.
     fn start_momentum(&mut self, step: f64) -> Result<(), RunError> {
-        self.place_slice(DelayedMotion::at_start);
-        self.evaluate(ForceTerms::PLAIN, 0.5 * step)?;
+        self.place_slice(DelayedMotion::at_start, None);
+        self.evaluate(ForceTerms::PLAIN, self.half_step(0, step))?;
         // The forces are those of the start, not of a step.
         self.uncommitted = false;
         let tractions = self.all_forces(|_, _, acting| acting.traction);
@@ -210,13 +222,23 @@ impl Model {
         if self.is_linear_slice() {
             return self.linear_forces(terms, step);
         }
-        self.place_slice(DelayedMotion::now);
-        self.evaluate(terms, 0.5 * step)?;
+        self.place_slice(DelayedMotion::now, Some(Part::Axial));
+        self.evaluate(terms, self.half_step(0, step))?;
         // History variables of the half step before are committed now.
         if let Some(slice) = &mut self.delayed {
             slice.lumping.follow_damage(&self.blocks);
         }
         Ok(())
+    }
+
+    /// The half of the present step between the forces at the present time (0) or half a step later (1) and those before: elements
+    /// count both.
+    fn half_step(&self, half: u64, step: f64) -> StepTime {
+        StepTime {
+            number: 2 * self.number + half,
+            time: self.time,
+            step: 0.5 * step,
+        }
     }
 
     /// Whether the elements of a slice are all linear.
@@ -271,10 +293,10 @@ impl Model {
 
     /// Evaluates the forces of a slice half a step after the present time, and updates y.
     fn evaluate_axial(&mut self, step: f64) {
-        self.place_slice(DelayedMotion::half_step_later);
+        self.place_slice(DelayedMotion::half_step_later, Some(Part::Plane));
         self.uncommitted = true;
         let terms = ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace);
-        match self.evaluate(terms, 0.5 * step) {
+        match self.evaluate(terms, self.half_step(1, step)) {
             Ok(()) => self.update_slice(Part::Axial, step),
             Err(fault) => self.fault = Some(fault),
         }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, DividedWork, HourglassShare, MassDampingRule, NodalView, Precision,
-    StepTime, Vec3,
+    Vec3,
 };
 use rayon::prelude::*;
 
@@ -242,11 +242,7 @@ impl Model {
 
     /// Energies (J) of each block at the present displacement; with `ledger` in a model with an energy ledger.
     pub(crate) fn block_energies(&self, step: f64, ledger: bool) -> Vec<BlockEnergy> {
-        let when = StepTime {
-            number: self.number,
-            time: self.time,
-            step,
-        };
+        let when = self.present_step(step);
         let (nodes, subdomain, slice) = (&self.nodes, &self.subdomain, self.delayed.as_ref());
         (self.blocks.par_iter().enumerate())
             .map(|(index, block)| {

@@ -204,7 +204,7 @@ impl Dynamics for Model {
             }
             match model.fault.take() {
                 Some(fault) => Err(fault),
-                None => model.evaluate(terms, step),
+                None => model.evaluate(terms, model.present_step(step)),
             }
         })
     }
@@ -301,25 +301,28 @@ impl Model {
         }
     }
 
-    pub(crate) fn evaluate(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
+    /// The step of a length (s) from the present time.
+    pub(crate) fn present_step(&self, step: f64) -> StepTime {
+        StepTime {
+            number: self.number,
+            time: self.time,
+            step,
+        }
+    }
+
+    /// Forces of the elements and loads at the present time, with history variables of the step that ends there.
+    pub(crate) fn evaluate(&mut self, terms: ForceTerms, when: StepTime) -> Result<(), RunError> {
         let commit = core::mem::take(&mut self.uncommitted);
         let Self {
             nodes,
             blocks,
             loads,
             subdomain,
-            time,
-            number,
             ledger,
             profiler,
             ranks,
             ..
         } = self;
-        let when = StepTime {
-            number: *number,
-            time: *time,
-            step,
-        };
         let fault = with_nodes!(nodes, arrays => {
             let NodalArrays { displacement, velocity, forces, external, .. } = arrays;
             let motion = NodalMotion { displacement, velocity };
@@ -327,11 +330,11 @@ impl Model {
                 when,
                 terms,
                 ledger: ledger.is_some(),
-                rests: step == 0.0,
+                rests: when.step == 0.0,
                 commit,
                 undamped: false,
             };
-            let probed = profiler.as_deref().is_some_and(|_| number.is_multiple_of(PROBE_INTERVAL));
+            let probed = profiler.as_deref().is_some_and(|_| when.number.is_multiple_of(PROBE_INTERVAL));
             if let (Some(profiler), true) = (profiler.as_deref_mut(), probed) {
                 probe(profiler, subdomain, blocks, motion, forces, &mut evaluation);
             }
