@@ -284,7 +284,7 @@ pub enum EngineError {
     },
     /// A node of a delayed slice that is in no pair, or in several.
     #[error(
-        "node {node} is in {count} delayed pairs: every node of a slice under waves along y is in one, with the node on its other side"
+        "node {node} is in {count} delayed pairs: every node of a slice under waves along y is in one, with the node on its other side (of a mesh with several layers of elements along y take one: `slice` in [mesh] of a scene cuts it)"
     )]
     DelayedNode {
         /// Number of the node.

@@ -6,7 +6,7 @@ use crate::StateError;
 
 /// A parameter value outside its permitted range.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error("{name} = {value} is outside its permitted range [{least}, {most}]")]
+#[error("{name} = {value} is outside its permitted range{}", Range([*least, *most]))]
 pub struct ParameterError {
     /// Name of the parameter, as its field or key is called.
     pub name: &'static str,
@@ -16,6 +16,22 @@ pub struct ParameterError {
     pub least: f64,
     /// Greatest permitted value, in the unit of the parameter.
     pub most: f64,
+}
+
+/// The end of a sentence that names a range; ends that are those of numbers are left out.
+struct Range([f64; 2]);
+
+impl core::fmt::Display for Range {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let [least, most] = self.0;
+        match (least <= -f64::MAX, most >= f64::MAX) {
+            (true, true) => write!(f, ": any finite number"),
+            (true, false) => write!(f, ": at most {most}"),
+            (false, true) if least == f64::MIN_POSITIVE => write!(f, ": above 0"),
+            (false, true) => write!(f, ": at least {least}"),
+            (false, false) => write!(f, " [{least}, {most}]"),
+        }
+    }
 }
 
 impl ParameterError {

@@ -1,10 +1,10 @@
 //! Slices whose sides are delayed against each other: a long structure along y under waves of any azimuth.
 
 use powerhouse_model::{PeriodicPairs, StiffElements, Vec3};
-use powerhouse_wavefield::PlaneWave;
+use powerhouse_wavefield::{PlaneWave, WaveKind};
 use thiserror::Error;
 
-use crate::{Error, InitialMotion, Scene};
+use crate::{Error, InitialMotion, Part, Scene};
 use powerhouse_laws::Damping;
 
 /// Largest product of the slowness along y and the speed of P waves of a part: of the ground, up to which plane waves are
@@ -54,7 +54,7 @@ pub enum DelayedError {
     PastCritical {
         /// Name of the wave.
         wave: String,
-        /// Critical angle (degrees).
+        /// Largest incidence that is permitted (degrees).
         largest: f64,
     },
     /// A part in which P waves are too fast for the motion along y.
@@ -113,6 +113,15 @@ impl core::fmt::Display for StiffPart {
             "P waves of part '{set}' travel at {ratio:.2} of the speed of the motion along y: a part of its inertia along the axis is moved to the ground around it, and its axial stress is within {:.0} %, too large, if it is thin as a lining is; below {STIFF} it is exact",
             100.0 * self.error()
         )
+    }
+}
+
+/// Largest product of the slowness along y and the speed of P waves of a part, which is ground or a structure in it.
+fn most_ratio(is_ground: bool) -> f64 {
+    if is_ground {
+        MOST_IN_GROUND
+    } else {
+        MOST_IN_STRUCTURE
     }
 }
 
@@ -222,15 +231,33 @@ impl Scene {
                 });
             }
             if own != 0.0 && !wave.is_causal() {
-                let medium = wave.parameters().medium;
-                let critical = (medium.s_speed() / medium.p_speed()).asin();
                 return Err(DelayedError::PastCritical {
                     wave: name(wave),
-                    largest: critical.to_degrees(),
+                    largest: self.largest_incidence(wave),
                 });
             }
         }
         Ok(())
+    }
+
+    /// The largest incidence (degrees, rounded down to tenths) of a wave at its azimuth that neither a part nor the critical angle
+    /// refuses.
+    fn largest_incidence(&self, wave: &PlaneWave) -> f64 {
+        let parameters = wave.parameters();
+        let own = parameters.kind.speed(&parameters.medium);
+        let along = parameters.azimuth.radians().sin().abs();
+        let ground = self.parts_behind_boundary().unwrap_or_default();
+        let of_part = |(index, part): (usize, &Part)| {
+            let most = most_ratio(ground.contains(&index));
+            most * own / (part.material.medium().p_speed() * along)
+        };
+        let mut sine = (self.parts.iter().enumerate())
+            .map(of_part)
+            .fold(1.0, f64::min);
+        if parameters.kind == WaveKind::SV {
+            sine = sine.min(own / parameters.medium.p_speed());
+        }
+        (10.0 * sine.asin().to_degrees()).floor() / 10.0
     }
 
     /// Refuses parts whose P waves are too fast for the motion along y.
@@ -238,10 +265,7 @@ impl Scene {
         let slowness = self.slowness_along_y().abs();
         let ground = self.parts_behind_boundary()?;
         for (index, part) in self.parts.iter().enumerate() {
-            let most = match ground.contains(&index) {
-                true => MOST_IN_GROUND,
-                false => MOST_IN_STRUCTURE,
-            };
+            let most = most_ratio(ground.contains(&index));
             let speed = part.material.medium().p_speed();
             let ratio = slowness * speed;
             if ratio <= most {
@@ -249,13 +273,10 @@ impl Scene {
             }
             let largest = |wave: &PlaneWave| {
                 let parameters = wave.parameters();
-                let own = parameters.kind.speed(&parameters.medium);
-                let along = parameters.azimuth.radians().sin().abs();
-                let degrees = (most * own / (speed * along)).asin().to_degrees();
-                let azimuth = parameters.azimuth.degrees();
+                let (azimuth, kind) = (parameters.azimuth.degrees(), parameters.kind);
+                let degrees = self.largest_incidence(wave);
                 format!(
-                    "at azimuth {azimuth:.1} degrees the incidence of {} waves is at most {degrees:.1} degrees",
-                    parameters.kind
+                    "at azimuth {azimuth:.1} degrees the incidence of {kind} waves is at most {degrees:.1} degrees"
                 )
             };
             let ways: Vec<String> = self.waves.iter().map(largest).collect();

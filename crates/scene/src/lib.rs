@@ -91,7 +91,10 @@ pub(crate) use prepare::field_motion;
 pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 pub use region::RegionError;
-pub use remark::{EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial, Seepage};
+pub use remark::{
+    EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial, Seepage, WaterDoubt,
+    WaterReason,
+};
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
 pub use scene_remark::SceneRemark;

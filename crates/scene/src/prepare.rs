@@ -200,11 +200,14 @@ impl Scene {
         }
     }
 
-    /// Warning about an in-situ stress that ends below the top of the body in the first stage.
+    /// Warning about an in-situ stress that ends below the top of the body after the excavations of the first stage.
     fn above_ground(&self, timeline: Option<&Timeline>) -> Option<Remark> {
         let level = self.in_situ_stress.as_ref()?.level()?;
-        let absent = &timeline?.absent;
-        let there = |element: &u32| absent.binary_search(element).is_err();
+        let timeline = timeline?;
+        let first = timeline.configurations.first()?;
+        let there = |element: &u32| {
+            timeline.absent.binary_search(element).is_err() && first.present[*element as usize]
+        };
         let elements = (0..self.mesh.element_count() as u32).filter(there);
         let nodes = elements.flat_map(|element| self.mesh.nodes_of(element).iter());
         let heights = nodes.map(|&node| self.mesh.positions()[node as usize].z);

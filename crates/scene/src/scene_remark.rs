@@ -290,7 +290,7 @@ impl fmt::Display for SceneRemark {
             ),
             Self::RestrainedField { share, node } => write!(
                 f,
-                "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves",
+                "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves{DELAYED}",
                 100.0 * share
             ),
             Self::AsymmetricField { share, node, speed } => {
@@ -302,7 +302,7 @@ impl fmt::Display for SceneRemark {
                 travels(f, *speed, "through that side")?;
                 write!(
                     f,
-                    "; let the waves travel along that side (`azimuth`), or make it absorbing"
+                    "; let the waves travel along that side (`azimuth`), or make it absorbing{DELAYED}"
                 )
             }
             Self::PeriodicField {
@@ -321,7 +321,7 @@ impl fmt::Display for SceneRemark {
                 travels(f, *speed, "along the pair")?;
                 write!(
                     f,
-                    "; let the waves travel across the pairs (`azimuth`), or make both sides absorbing"
+                    "; let the waves travel across the pairs (`azimuth`), or make both sides absorbing{DELAYED}"
                 )
             }
             Self::AbsorbingSurface { face } => write!(
@@ -562,6 +562,9 @@ impl fmt::Display for SceneRemark {
         }
     }
 }
+
+/// The way out for slices along y.
+const DELAYED: &str = "; both sides of a slice of a long structure along y may be `[[support]] kind = \"delayed\"`, under waves of any azimuth";
 
 /// Writes the apparent speed (m/s) with which a wave travels, if it is known.
 fn travels(f: &mut fmt::Formatter<'_>, speed: Option<f64>, way: &str) -> fmt::Result {

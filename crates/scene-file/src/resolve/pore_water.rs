@@ -55,8 +55,11 @@ pub(super) fn given_pressure(
 ) -> Result<WaterPressure, Fault> {
     let found = water_pressure(table.clone(), keys)?;
     found.ok_or_else(|| {
-        let key = "level".into();
-        Fault::new(table, Problem::MissingKey { key })
+        let problem = Problem::Value {
+            found: "neither a level nor a table of pressures".into(),
+            expected: "one of `level` and `pressures`".into(),
+        };
+        Fault::new(table, problem)
     })
 }
 
@@ -111,6 +114,12 @@ pub(super) fn waters(
     wet.collect()
 }
 
+/// Extents (m) of no point.
+const NOTHING: (Vec3, Vec3) = (
+    Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+    Vec3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+);
+
 /// Flow of the water of a material with a permeability.
 fn seepage(mesh: &Mesh, file: &SceneSpec, (name, material): (&str, &Material)) -> Option<Seepage> {
     let table = file.materials.iter().find(|table| *table.name == *name)?;
@@ -118,18 +127,33 @@ fn seepage(mesh: &Mesh, file: &SceneSpec, (name, material): (&str, &Material)) -
     let permeability = water.permeability?.get();
     let parts = file.parts.iter().filter(|part| *part.material == *name);
     let elements = parts.flat_map(|part| mesh.element_set(&part.set).unwrap_or_default());
-    let nodes = elements.flat_map(|&element| mesh.nodes_of(element));
-    let corners = nodes.map(|&node| mesh.positions()[node as usize]);
-    let (low, high) = corners
-        .map(|corner| (corner, corner))
-        .reduce(|(low, high), (corner, _)| (low.inf(&corner), high.sup(&corner)))?;
-    let extent: Vec3 = high - low;
+    let elements: Vec<u32> = elements.copied().collect();
+    let extents = |element: &u32| {
+        let corners = mesh.nodes_of(*element).iter();
+        let corners = corners.map(|&node| mesh.positions()[node as usize]);
+        corners.fold(NOTHING, |(low, high), x| (low.inf(&x), high.sup(&x)))
+    };
+    let (low, high) = elements
+        .iter()
+        .map(extents)
+        .fold(NOTHING, |all, own| (all.0.inf(&own.0), all.1.sup(&own.1)));
+    // Along an axis that single elements fill, as in a slice, nothing drains.
+    let (start, end) = mesh.bounding_box();
+    let filled = |axis: usize| {
+        let tolerance = 1e-6 * (end[axis] - start[axis]);
+        elements.iter().all(|element| {
+            let (low, high) = extents(element);
+            low[axis] - start[axis] < tolerance && end[axis] - high[axis] < tolerance
+        })
+    };
+    let open = (0..3).filter(|&axis| !filled(axis));
+    let extent = open.map(|axis| high[axis] - low[axis]).reduce(f64::min)?;
     let skeleton = material.law().skeleton();
     let modulus = skeleton.lambda() + 2.0 * skeleton.shear();
     Some(Seepage {
         permeability,
         consolidation: permeability * modulus / water_weight(water.density),
         duration: file.time.duration.get(),
-        extent: extent.min(),
+        extent,
     })
 }

@@ -208,7 +208,7 @@ fn in_situ(
 }
 
 /// Pressure of the water in the ground of an in-situ stress.
-fn ground_water(
+pub(super) fn ground_water(
     stress: &At<spec::InSituStress>,
     water: &spec::GroundWater,
 ) -> Result<WaterPressure, Fault> {

@@ -292,7 +292,9 @@ impl Recordings {
                     recordings.section_capacities.push(named);
                 }
                 remarks.extend(sections::in_pieces(mesh, request, geometry));
-                remarks.extend(sections::hollow(request, geometry));
+                if !sections::is_of_slice(mesh, geometry) {
+                    remarks.extend(sections::hollow(request, geometry));
+                }
                 remarks.extend(sections::through_end(request, geometry));
                 remarks.extend(sections::through_tetrahedra(mesh, request, &elements));
             }

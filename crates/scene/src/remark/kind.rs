@@ -117,6 +117,7 @@ impl Remark {
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. }
+            | Self::WaterDoubt(_)
             | Self::ReducedStrength { .. } => true,
             Self::RecordSource { .. }
             | Self::FlatDamping { .. }

@@ -6,10 +6,12 @@ mod record_spectrum;
 mod saturated;
 mod stations;
 mod text;
+mod water_doubt;
 
 pub use equivalent_layer::EquivalentLayer;
 pub use record_spectrum::RecordSpectrumReport;
 pub use saturated::{SaturatedMaterial, Seepage};
+pub use water_doubt::{WaterDoubt, WaterReason};
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
@@ -492,6 +494,8 @@ pub enum Remark {
     },
     /// Fact: a material has water in its pores.
     PoreWater(SaturatedMaterial),
+    /// Warning: water in the pores of a material is probably not what is meant.
+    WaterDoubt(WaterDoubt),
     /// Added mass of water beside a facet set; a warning if the facets lean too much for its formula.
     AddedWater(AddedWater),
     /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).

@@ -587,6 +587,7 @@ impl fmt::Display for Remark {
                 write!(f, "damping of part '{set}'{of}: {cost}")
             }
             Self::PoreWater(material) => write!(f, "{material}"),
+            Self::WaterDoubt(doubt) => write!(f, "{doubt}"),
             Self::AddedWater(water) => write!(f, "{water}"),
             Self::Rim {
                 set,
