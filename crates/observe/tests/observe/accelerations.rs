@@ -323,3 +323,36 @@ fn envelopes_are_of_means() {
         );
     }
 }
+
+/// A run that ends amid the motion, wherever in it, has no overshoot at its end: accelerations of a band do not exceed those of the
+/// motion.
+#[test]
+fn the_end_of_a_run_has_no_overshoot() {
+    let mesh = block();
+    let (step, band, frequency) = (2e-4, 100.0, 4.0);
+    for phase in [0.0, 0.25, 0.4] {
+        // It begins smoothly, and is at some phase of its oscillation at the end.
+        let steps = ((1.0 + phase / frequency) / step) as u64;
+        let motion = move |n: i64| {
+            let t = n as f64 * step;
+            let grown = (t / 0.5).clamp(0.0, 1.0);
+            let share = grown * grown * grown * (10.0 - 15.0 * grown + 6.0 * grown * grown);
+            share * (TAU * frequency * t).cos()
+        };
+        let mut view = Fields::at_rest(mesh.node_count());
+        moving(&mut view, step, motion);
+        let mut limited = history(&mesh, 0.01).band_limited(band).unwrap().unwrap();
+        let recording = limited.recording();
+        view.run(&mut [&mut limited], steps);
+        let table = recording.copy();
+        let most = (TAU * frequency).powi(2);
+        let late = table.times.iter().zip(values(&table, "a.ax"));
+        let late = late.filter(|(time, _)| **time > 0.5);
+        let peak = late.map(|(_, a)| a.abs()).fold(0.0, f64::max);
+        assert!(
+            (0.99..1.002).contains(&(peak / most)),
+            "{phase}: {}",
+            peak / most
+        );
+    }
+}
