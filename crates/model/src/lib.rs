@@ -58,6 +58,7 @@ mod rayleigh;
 mod reach;
 mod run;
 mod saved_run;
+mod saved_state;
 mod spec;
 mod stable_step;
 mod stage;
@@ -78,7 +79,10 @@ pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use checksum::Checksum;
-pub use constraint::{Constraint, ConstraintWork, DividedWork, NodeCoupling, PredictedMotion};
+pub use constraint::{
+    Constraint, ConstraintWork, CoupledConstraint, DividedConstraint, DividedWork, JointConstraint,
+    NodeCoupling, PredictedMotion, RestrictedConstraint,
+};
 pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
@@ -96,7 +100,10 @@ pub use engine::{
     StepView, TimeIntegrator,
 };
 pub use engine_error::{ElementExtent, EngineError};
-pub use engine_model::{Engine, EngineModel};
+pub use engine_model::{
+    DistributedModel, Engine, EngineModel, FibreModel, ModelFrequencies, ModelOutput,
+    StatefulModel, StaticModel,
+};
 pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use fibre::Fibre;
@@ -136,6 +143,7 @@ pub use run::{
 pub use saved_run::{CheckpointSink, SavedRun, SavedSection};
 #[cfg(feature = "serde")]
 pub use saved_run::{decode, encode, interned};
+pub use saved_state::SavedState;
 pub use spec::{ElementChoice, ModelSpec};
 pub use stable_step::StableStep;
 pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport};
