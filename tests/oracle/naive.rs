@@ -87,7 +87,7 @@ impl NaiveModel {
                 own_mass[node as usize] += mass;
                 let lead = &mut nodes[lead[node as usize]];
                 lead.mass += mass;
-                lead.mass_damping += mass * block.mass_damping();
+                lead.mass_damping += mass * block.damping().mass;
             }
         }
         for support in &spec.supports {

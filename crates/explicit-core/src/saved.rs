@@ -259,8 +259,8 @@ impl Model {
         for (block, &index) in self.blocks.iter().zip(&self.ranks.block_numbers) {
             let index = index as usize;
             let own = name(BLOCK, index, block.label());
-            match block.save_state().transpose() {
-                Some(bytes) => add(saved, own, bytes)?,
+            match block.saved() {
+                Some(state) => add(saved, own, state.save_state())?,
                 None => {
                     let own = name(HISTORY, index, block.label());
                     add(saved, own, encode(&block.history()))?;
@@ -292,7 +292,11 @@ impl Model {
             let index = index as usize;
             let own = name(BLOCK, index, block.label());
             if let Some(bytes) = sections.take(&own) {
-                block.restore_state(bytes).map_err(of_part(&own))?;
+                let restored = match block.saved_mut() {
+                    Some(state) => state.restore_state(bytes),
+                    None => Err(StateError::Unexpected),
+                };
+                restored.map_err(of_part(&own))?;
             } else {
                 let fields: Vec<HistoryField> =
                     sections.decode(&name(HISTORY, index, block.label()))?;

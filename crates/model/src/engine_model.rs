@@ -211,7 +211,7 @@ pub trait DistributedModel {
     /// # Errors
     /// More ranks than the model can be divided into.
     fn rank_forecast(&self, ranks: usize) -> Result<Vec<RankForecast>, ModelError>;
-    /// Programs of the elements in dynamic steps of a length (s), [`ElementBlock::program`](crate::ElementBlock::program),
+    /// Programs of the elements in dynamic steps of a length (s), [`ProgrammedBlock::program`](crate::ProgrammedBlock::program),
     /// with `forks` forks at most; of equal ones the first alone. In place of those that do not exist the reason.
     fn programs(&self, step: f64, forks: usize) -> Vec<Result<Program, ProgramError>>;
 }

@@ -22,6 +22,7 @@
 mod added_mass;
 mod assembly;
 mod block_law;
+mod block_parts;
 mod boundary;
 mod checksum;
 mod constraint;
@@ -75,6 +76,9 @@ mod tensor;
 pub use added_mass::AddedMass;
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use block_law::{BlockLaw, BlockLawInput};
+pub use block_parts::{
+    BlockOutput, BlockStiffness, DampedBlock, ElementForces, ProgrammedBlock, StatefulBlock,
+};
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };

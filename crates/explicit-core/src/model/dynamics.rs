@@ -130,7 +130,7 @@ fn forces_of<S: Storage>(
         block.commit();
     }
     let shift = match undamped {
-        true => -block.stiffness_damping(),
+        true => -block.damping().stiffness,
         false => terms.damping_shift,
     };
     let reads_velocity = block.reads_velocity(shift, ledger);

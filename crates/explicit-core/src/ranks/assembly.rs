@@ -281,7 +281,7 @@ impl Ranked {
         for (block, nodes) in blocks.iter().zip(nodes_of_blocks) {
             let mut of_block = vec![0.0; nodes.len()];
             block.add_mass(&mut of_block);
-            let damping = block.mass_damping();
+            let damping = block.damping().mass;
             let of_nodes = of_block.into_iter();
             shares.extend(of_nodes.map(|mass| Quad::new(mass, mass * damping, 0.0)));
         }
