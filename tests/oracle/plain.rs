@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockOutput, BlockPart, ConstitutiveLaw,
     DampedBlock, ElementBlock, ElementFault, ElementKernel, ElementKind, Extents, FrequencyBound,
-    Geometry, HistoryField, Hourglass, LawInput, ModelError, NodalView, NodalViewMut, Quad,
-    Rayleigh, StatefulBlock, Strain, Stress, Vec3,
+    Geometry, HistoryField, Hourglass, KernelArithmetic, LawInput, ModelError, NodalView,
+    NodalViewMut, Quad, Rayleigh, StatefulBlock, Strain, Stress, Vec3,
 };
 
 /// Factory of plain blocks of a kernel and a law, with Rayleigh damping.

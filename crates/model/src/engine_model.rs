@@ -39,7 +39,7 @@ pub trait Engine: Send + Sync {
     }
     /// Solves a sequence of construction stages from an initial state, such as [`State::at_rest`] with an initial
     /// stress; returns the final state, from which a dynamic model [starts](ModelSpec::start) with
-    /// [`EngineModel::hand_over`], and a report of each stage.
+    /// [`StaticModel::hand_over`], and a report of each stage.
     ///
     /// # Errors
     /// The error of the first stage that fails, see [`StageError`].

@@ -43,6 +43,7 @@ mod field;
 mod hourglass;
 mod joint;
 mod kernel;
+mod kernel_parts;
 mod lane;
 mod law;
 mod law_input;
@@ -117,6 +118,7 @@ pub use joint::{
     Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
 pub use kernel::{ElementKernel, Geometry, Hourglass, OwnStep};
+pub use kernel_parts::{Absent, HistoryKernel, HourglassKernel, KernelArithmetic, ModalKernel};
 pub use lane::{Lane, Repeated, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, RemainingStiffness, point_energy,

@@ -2,8 +2,9 @@
 
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockOutput, BlockStiffness, DampedBlock, ElementForces,
-    ElementKernel, HistoryField, Mat3, NodalView, NodalViewMut, Operator, Program, ProgramError,
-    ProgrammedBlock, Rayleigh, SavedState, StateError, StatefulBlock, Stress, Vec3,
+    ElementKernel, HistoryField, KernelArithmetic, Mat3, NodalView, NodalViewMut, Operator,
+    Program, ProgramError, ProgrammedBlock, Rayleigh, SavedState, StateError, StatefulBlock,
+    Stress, Vec3,
 };
 
 use super::Block;

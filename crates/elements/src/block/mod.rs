@@ -36,8 +36,8 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockContext, BlockOutput, BlockStiffness, DampedBlock, ElementBlock, ElementFault,
-    ElementKernel, FrequencyBound, HistoryUpdate, NodalView, NodalViewMut, Operator,
-    ProgrammedBlock, Quad, Rayleigh, StatefulBlock, Vec3,
+    ElementKernel, FrequencyBound, HistoryUpdate, KernelArithmetic, NodalView, NodalViewMut,
+    Operator, ProgrammedBlock, Quad, Rayleigh, StatefulBlock, Vec3,
 };
 
 use crate::lanes::{Arrangement, Lanes};

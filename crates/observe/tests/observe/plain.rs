@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockOutput, BlockPart, BlockStiffness,
     ElasticMedium, ElementBlock, ElementFault, ElementForces, ElementKernel, ElementKind,
-    FrequencyBound, Geometry, Hourglass, ModelError, NodalView, NodalViewMut, Operator, Quad,
-    Stress, Vec3,
+    FrequencyBound, Geometry, Hourglass, KernelArithmetic, ModelError, NodalView, NodalViewMut,
+    Operator, Quad, Stress, Vec3,
 };
 
 /// Makes plain blocks.
