@@ -189,14 +189,19 @@ fn a_law_for_a_block_has_the_bits_of_one_in_lanes() {
             assert_eq!(energies[1], energies[0], "{name}, {number}");
         }
         assert!(at_once.block.history()[0].values.iter().all(|h| *h > 0.0));
-        let saved = lanes.block.save_state().unwrap().unwrap();
+        let saved = lanes.block.saved().unwrap().save_state().unwrap();
         assert!(
-            at_once.block.save_state().unwrap().unwrap() == saved,
+            at_once.block.saved().unwrap().save_state().unwrap() == saved,
             "{name}"
         );
         let ([_, mut other], _) = both(kernel, Precision::F64);
         other.block.set_initial_stress(&initial);
-        other.block.restore_state(&saved).unwrap();
+        other
+            .block
+            .saved_mut()
+            .unwrap()
+            .restore_state(&saved)
+            .unwrap();
         let (u, v) = (noise(lanes.nodes, 20, 1e-3), noise(lanes.nodes, 21, 0.0));
         let context = BlockContext::new(at(9, 1e-4), NodalView::F64(&u), NodalView::F64(&v));
         assert_eq!(other.forces(&context), lanes.forces(&context), "{name}");

@@ -3,12 +3,11 @@
 use nalgebra::DMatrix;
 use powerhouse_model::{
     BlockContext, BlockPart, Constraint, Dynamics, ElementBlock, Ended, Engine, EngineModel, Flow,
-    ForceTerms, FrequencyLimits, HandOverReport, HourglassShare, JointView, Length,
-    MassDampingRule, Mat3, Mesh, ModelError, ModelSpec, NodalLoad, NodalView, NodalViewMut,
+    ForceTerms, FrequencyLimits, HourglassShare, JointView, Length, MassDampingRule, Mat3, Mesh,
+    ModelError, ModelFrequencies, ModelOutput, ModelSpec, NodalLoad, NodalView, NodalViewMut,
     Observer, PeriodicPairs, PredictedMotion, Progress, Quad, Renewal, RunError, RunFailure,
-    RunOptions, RunReport, StableStep, State, StateError, StaticError, StaticOptions,
-    StaticProgress, StaticReport, StepChoice, StepTime, StepView, Stress, TimeFunction,
-    TimeIntegrator, Vec3,
+    RunOptions, RunReport, StableStep, State, StateError, StatefulModel, StepChoice, StepTime,
+    StepView, Stress, TimeFunction, TimeIntegrator, Vec3,
 };
 
 /// The naive engine: one block for each element set, one node after another, no energy balance, no statics.
@@ -88,7 +87,7 @@ impl NaiveModel {
                 own_mass[node as usize] += mass;
                 let lead = &mut nodes[lead[node as usize]];
                 lead.mass += mass;
-                lead.mass_damping += mass * block.mass_damping();
+                lead.mass_damping += mass * block.damping().mass;
             }
         }
         for support in &spec.supports {
@@ -345,7 +344,7 @@ impl StepView for View<'_> {
         &[]
     }
     fn joints(&self) -> Vec<JointView<'_>> {
-        EngineModel::joints(self.0)
+        ModelOutput::joints(self.0)
     }
 }
 
@@ -400,37 +399,11 @@ impl EngineModel for NaiveModel {
     fn time(&self) -> f64 {
         self.time
     }
-    fn steps_taken(&self) -> u64 {
-        self.number
-    }
-    fn mass(&self, node: u32) -> f64 {
-        self.own_mass[node as usize]
-    }
     fn displacement(&self, node: u32) -> Vec3 {
         self.displacement[node as usize]
     }
     fn velocity(&self, node: u32) -> Vec3 {
         self.velocity[node as usize]
-    }
-    fn joints(&self) -> Vec<JointView<'_>> {
-        let all = self.constraints.iter();
-        all.flat_map(|(constraint, _)| constraint.joints())
-            .collect()
-    }
-    fn stress_changes(&self) -> Vec<Stress> {
-        let mut all = vec![Stress::default(); self.mesh.element_count()];
-        for block in &self.blocks {
-            let mut own = vec![Stress::default(); block.elements().len()];
-            let displacement = of_block(block.as_ref(), &self.displacement);
-            block.add_stress(NodalView::F64(&displacement), &mut own);
-            for (&element, stress) in block.elements().iter().zip(own) {
-                all[element as usize] = stress;
-            }
-        }
-        all
-    }
-    fn hourglass_shares(&self) -> Vec<HourglassShare> {
-        Vec::new()
     }
     fn set_initial(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
         self.displacement.copy_from_slice(displacement);
@@ -441,41 +414,6 @@ impl EngineModel for NaiveModel {
             self.velocity[index] = meet(&Mat3::identity(), *velocity, &given).0;
         }
         Ok(())
-    }
-    fn state(&mut self) -> State {
-        let mut state = State::at_rest(self.nodes.len());
-        (state.time, state.step) = (self.time, self.number);
-        state.displacement.clone_from(&self.displacement);
-        state.velocity.clone_from(&self.velocity);
-        state
-    }
-    fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
-        if !(state.history.is_empty() && state.joints.is_empty() && state.initial_stress.is_empty())
-        {
-            return Err(ModelError::refused(
-                "naive",
-                "no states with stresses or joints",
-            ));
-        }
-        (self.time, self.number) = (state.time, state.step);
-        self.displacement.clone_from(&state.displacement);
-        self.velocity.clone_from(&state.velocity);
-        Ok(())
-    }
-    fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
-        let displacement = &self.displacement;
-        self.constraints.iter_mut().any(|(constraint, _)| {
-            let nodes = constraint.nodes().iter();
-            let own: Vec<Vec3> = nodes.map(|&n| displacement[n as usize]).collect();
-            constraint.renew(joint, renewal, &own)
-        })
-    }
-    fn frequency_limits(&mut self) -> FrequencyLimits {
-        let bounds = self
-            .blocks
-            .iter()
-            .flat_map(|block| block.frequency_bounds());
-        FrequencyLimits::undamped(bounds.map(|bound| bound.frequency).fold(0.0, f64::max))
     }
     fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError> {
         let limits = self.frequency_limits();
@@ -540,20 +478,84 @@ impl EngineModel for NaiveModel {
         report.ended = ended;
         Ok(report)
     }
-    fn equilibrate(
-        &mut self,
-        options: &StaticOptions,
-        _progress: &mut (dyn FnMut(StaticProgress) + Send),
-    ) -> Result<StaticReport, StaticError> {
-        Err(StaticError::NoMethod {
-            engine: Naive.name().into(),
-            method: options.method.name(),
+    fn output(&self) -> Option<&dyn ModelOutput> {
+        Some(self)
+    }
+    fn stateful(&mut self) -> Option<&mut dyn StatefulModel> {
+        Some(self)
+    }
+    fn frequencies(&mut self) -> Option<&mut dyn ModelFrequencies> {
+        Some(self)
+    }
+}
+
+impl ModelOutput for NaiveModel {
+    fn mass(&self, node: u32) -> f64 {
+        self.own_mass[node as usize]
+    }
+    fn joints(&self) -> Vec<JointView<'_>> {
+        let all = self.constraints.iter();
+        let jointed = all.filter_map(|(constraint, _)| constraint.jointed());
+        jointed.flat_map(|jointed| jointed.joints()).collect()
+    }
+    fn stress_changes(&self) -> Vec<Stress> {
+        let mut all = vec![Stress::default(); self.mesh.element_count()];
+        for block in &self.blocks {
+            let mut own = vec![Stress::default(); block.elements().len()];
+            let displacement = of_block(block.as_ref(), &self.displacement);
+            block.add_stress(NodalView::F64(&displacement), &mut own);
+            for (&element, stress) in block.elements().iter().zip(own) {
+                all[element as usize] = stress;
+            }
+        }
+        all
+    }
+    fn hourglass_shares(&self) -> Vec<HourglassShare> {
+        Vec::new()
+    }
+}
+
+impl StatefulModel for NaiveModel {
+    fn steps_taken(&self) -> u64 {
+        self.number
+    }
+    fn state(&mut self) -> State {
+        let mut state = State::at_rest(self.nodes.len());
+        (state.time, state.step) = (self.time, self.number);
+        state.displacement.clone_from(&self.displacement);
+        state.velocity.clone_from(&self.velocity);
+        state
+    }
+    fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
+        if !(state.history.is_empty() && state.joints.is_empty() && state.initial_stress.is_empty())
+        {
+            return Err(ModelError::refused(
+                "naive",
+                "no states with stresses or joints",
+            ));
+        }
+        (self.time, self.number) = (state.time, state.step);
+        self.displacement.clone_from(&state.displacement);
+        self.velocity.clone_from(&state.velocity);
+        Ok(())
+    }
+    fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
+        let displacement = &self.displacement;
+        self.constraints.iter_mut().any(|(constraint, _)| {
+            let nodes = constraint.nodes().iter();
+            let own: Vec<Vec3> = nodes.map(|&n| displacement[n as usize]).collect();
+            let jointed = constraint.jointed_mut();
+            jointed.is_some_and(|jointed| jointed.renew(joint, renewal, &own))
         })
     }
-    fn hand_over(&mut self, _tolerance: f64) -> Result<HandOverReport, StaticError> {
-        Err(StaticError::NoMethod {
-            engine: Naive.name().into(),
-            method: StaticOptions::default().method.name(),
-        })
+}
+
+impl ModelFrequencies for NaiveModel {
+    fn frequency_limits(&mut self) -> FrequencyLimits {
+        let bounds = self
+            .blocks
+            .iter()
+            .flat_map(|block| block.frequency_bounds());
+        FrequencyLimits::undamped(bounds.map(|bound| bound.frequency).fold(0.0, f64::max))
     }
 }

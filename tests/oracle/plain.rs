@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, ConstitutiveLaw,
-    ElementBlock, ElementFault, ElementKernel, ElementKind, Extents, FrequencyBound, Geometry,
-    HistoryField, Hourglass, LawInput, Mat3, ModelError, NodalView, NodalViewMut, Operator, Quad,
-    Rayleigh, Strain, Stress, Vec3,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockOutput, BlockPart, ConstitutiveLaw,
+    DampedBlock, ElementBlock, ElementFault, ElementKernel, ElementKind, Extents, FrequencyBound,
+    Geometry, HistoryField, Hourglass, KernelArithmetic, LawInput, ModelError, NodalView,
+    NodalViewMut, Quad, Rayleigh, StatefulBlock, Strain, Stress, Vec3,
 };
 
 /// Factory of plain blocks of a kernel and a law, with Rayleigh damping.
@@ -192,17 +192,6 @@ where
         }
         Ok(())
     }
-    fn commit(&mut self) {
-        for element in &mut self.parts {
-            element.history.clone_from(&element.new_history);
-        }
-    }
-    fn apply(&self, _operator: Operator, _x: NodalView, _out: NodalViewMut) {
-        panic!("plain blocks have no stiffness operator");
-    }
-    fn diagonal(&self, _operator: Operator, _out: &mut [Mat3]) {
-        panic!("plain blocks have no stiffness operator");
-    }
     fn add_mass(&self, out: &mut [f64]) {
         for element in &self.parts {
             for (&node, mass) in element.nodes.iter().zip(element.masses) {
@@ -213,15 +202,38 @@ where
     fn frequency_bounds(&self) -> Vec<FrequencyBound> {
         Vec::new()
     }
-    fn stiffness_damping(&self) -> f64 {
-        self.damping.stiffness
+    fn damped(&self) -> Option<&dyn DampedBlock> {
+        Some(self)
     }
-    fn mass_damping(&self) -> f64 {
-        self.damping.mass
+    fn output(&self) -> Option<&dyn BlockOutput> {
+        Some(self)
     }
-    fn set_active(&mut self, _active: &[bool]) {}
-    fn set_reference_displacement(&mut self, _displacement: NodalView) {}
-    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
+    fn stateful(&self) -> Option<&dyn StatefulBlock> {
+        Some(self)
+    }
+    fn stateful_mut(&mut self) -> Option<&mut dyn StatefulBlock> {
+        Some(self)
+    }
+}
+
+impl<K, M, const N: usize, const P: usize> DampedBlock for PlainBlock<K, M, N, P>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+{
+    fn damping(&self) -> Rayleigh {
+        self.damping
+    }
+}
+
+impl<K, M, const N: usize, const P: usize> BlockOutput for PlainBlock<K, M, N, P>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+{
+    fn energy(&self, _context: &BlockContext) -> BlockEnergy {
+        BlockEnergy::default()
+    }
     fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
         for (element, out) in self.parts.iter().zip(out) {
             let geometry = Geometry::<f64>::new((), &element.numbers);
@@ -237,11 +249,23 @@ where
             }
         }
     }
-    fn energy(&self, _context: &BlockContext) -> BlockEnergy {
-        BlockEnergy::default()
+}
+
+impl<K, M, const N: usize, const P: usize> StatefulBlock for PlainBlock<K, M, N, P>
+where
+    K: ElementKernel<N, P>,
+    M: ConstitutiveLaw,
+{
+    fn commit(&mut self) {
+        for element in &mut self.parts {
+            element.history.clone_from(&element.new_history);
+        }
     }
     fn history(&self) -> Vec<HistoryField> {
         Vec::new()
     }
     fn set_history(&mut self, _fields: &[HistoryField]) {}
+    fn set_active(&mut self, _active: &[bool]) {}
+    fn set_reference_displacement(&mut self, _displacement: NodalView) {}
+    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
 }

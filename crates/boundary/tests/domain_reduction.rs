@@ -2,9 +2,9 @@
 
 use powerhouse_boundary::{BoundaryError, DomainReduction, InputMode, ReductionLayer, Viscous};
 use powerhouse_model::{
-    AbsorbingBoundary, BlockContext, BlockEnergy, BoundarySite, ElasticMedium, ElementBlock,
-    ElementFault, FieldMotion, FieldSampler, FrequencyBound, HistoryField, IncidentField, Mat3,
-    Mesh, ModelError, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    AbsorbingBoundary, BlockContext, BlockStiffness, BoundarySite, ElasticMedium, ElementBlock,
+    ElementFault, FieldMotion, FieldSampler, FrequencyBound, IncidentField, Mesh, ModelError,
+    NodalView, NodalViewMut, Operator, Quad, Vec3,
 };
 
 /// Springs between every two nodes of each element, `k n n^T` along the line between them, times a
@@ -84,7 +84,16 @@ impl ElementBlock for Truss {
         self.apply(Operator::Elastic, context.displacement, out);
         Ok(())
     }
-    fn commit(&mut self) {}
+    fn add_mass(&self, _out: &mut [f64]) {}
+    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
+        Vec::new()
+    }
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        Some(self)
+    }
+}
+
+impl BlockStiffness for Truss {
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
         let mut sums = vec![Vec3::zeros(); self.nodes.len()];
         for (numbers, matrix) in &self.matrices {
@@ -108,33 +117,11 @@ impl ElementBlock for Truss {
             }
         }
     }
-    fn diagonal(&self, _operator: Operator, _out: &mut [Mat3]) {}
     fn each_matrix(&self, _operator: Operator, show: &mut dyn FnMut(&[u32], &[f64])) {
         for (numbers, matrix) in &self.matrices {
             show(numbers, matrix);
         }
     }
-    fn add_mass(&self, _out: &mut [f64]) {}
-    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
-        Vec::new()
-    }
-    fn stiffness_damping(&self) -> f64 {
-        0.0
-    }
-    fn mass_damping(&self) -> f64 {
-        0.0
-    }
-    fn set_active(&mut self, _active: &[bool]) {}
-    fn set_reference_displacement(&mut self, _displacement: NodalView) {}
-    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-    fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
-    fn energy(&self, _context: &BlockContext) -> BlockEnergy {
-        BlockEnergy::default()
-    }
-    fn history(&self) -> Vec<HistoryField> {
-        Vec::new()
-    }
-    fn set_history(&mut self, _fields: &[HistoryField]) {}
 }
 
 /// A motion without any symmetry, which may not be given at a point.

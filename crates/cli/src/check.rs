@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use powerhouse::io::is_packed_mesh;
+use powerhouse::model::ModelError;
 use powerhouse::{FileScene, KeyChange, RunHooks, SceneChoice};
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError};
 
@@ -24,7 +25,14 @@ pub(crate) fn check(path: &Path, of_file: &SceneChoice, ranks: Option<NonZeroUsi
                 .spec()
                 .is_some_and(|spec| is_packed_mesh(Path::new(&*spec.mesh.file)));
             let simulation = scene.prepare()?;
-            Some((simulation.model().rank_forecast(ranks.get())?, is_packed))
+            let forecast = match simulation.model().distributed() {
+                Some(distributed) => distributed.rank_forecast(ranks.get()),
+                None => Err(ModelError::refused(
+                    format!("{ranks} ranks"),
+                    "the engine computes on one",
+                )),
+            };
+            Some((forecast?, is_packed))
         }
     };
     let found = powerhouse_study::check(read(path, of_file)?)?;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    Constraint, ConstraintParts, ConstraintWork, DividedWork, Mat3, ModelError, PredictedMotion,
-    RunError, Vec3,
+    Constraint, ConstraintParts, ConstraintWork, DividedConstraint, DividedWork, Mat3, ModelError,
+    PredictedMotion, RestrictedConstraint, RunError, Vec3,
 };
 
 use crate::ContactError;
@@ -85,28 +85,11 @@ impl Constraint for TiedPairs {
     fn nodes(&self) -> &[u32] {
         &self.nodes
     }
-    fn parts(&self) -> ConstraintParts {
-        let mut start = 0;
-        let groups = self.ends.iter().map(|&end| {
-            let group = &self.members[start..end as usize];
-            start = end as usize;
-            group.iter().map(|&m| self.nodes[m as usize]).collect()
-        });
-        let groups: Vec<Vec<u32>> = groups.collect();
-        ConstraintParts::merged(groups.iter().map(|group| &group[..]))
+    fn divided(&self) -> Option<&dyn DividedConstraint> {
+        Some(self)
     }
-    fn keep_parts(&mut self, kept: &[bool]) -> bool {
-        let parts = self.parts();
-        let parts = parts.iter().zip(kept).filter(|(_, kept)| **kept);
-        let kept = ConstraintParts::merged(parts.map(|(nodes, _)| nodes));
-        *self = Self::of_groups(core::mem::take(&mut self.name), &kept);
-        true
-    }
-    fn divided_work(&self) -> Option<DividedWork<'_>> {
-        Some(DividedWork {
-            nodes: &self.first,
-            work: &self.work,
-        })
+    fn restricted(&mut self) -> Option<&mut dyn RestrictedConstraint> {
+        Some(self)
     }
     fn ties(&self) -> Vec<[u32; 2]> {
         let mut ties = Vec::new();
@@ -130,6 +113,34 @@ impl Constraint for TiedPairs {
             start = end as usize;
         }
         Ok(total)
+    }
+}
+
+impl DividedConstraint for TiedPairs {
+    fn parts(&self) -> ConstraintParts {
+        let mut start = 0;
+        let groups = self.ends.iter().map(|&end| {
+            let group = &self.members[start..end as usize];
+            start = end as usize;
+            group.iter().map(|&m| self.nodes[m as usize]).collect()
+        });
+        let groups: Vec<Vec<u32>> = groups.collect();
+        ConstraintParts::merged(groups.iter().map(|group| &group[..]))
+    }
+    fn divided_work(&self) -> Option<DividedWork<'_>> {
+        Some(DividedWork {
+            nodes: &self.first,
+            work: &self.work,
+        })
+    }
+}
+
+impl RestrictedConstraint for TiedPairs {
+    fn keep_parts(&mut self, kept: &[bool]) {
+        let parts = self.parts();
+        let parts = parts.iter().zip(kept).filter(|(_, kept)| **kept);
+        let kept = ConstraintParts::merged(parts.map(|(nodes, _)| nodes));
+        *self = Self::of_groups(core::mem::take(&mut self.name), &kept);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use powerhouse_contact::{Cohesive, CohesiveParameters, Joint, StrengthReduction};
 use powerhouse_model::{
-    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, ElasticMedium, JointPair,
-    JointRecord, Mat3, PredictedMotion, StepTime, Vec3,
+    Bond, Constraint, ConstraintWork, ContactLaw, ContactState, ElasticMedium, JointConstraint,
+    JointPair, JointRecord, Mat3, PredictedMotion, StepTime, Vec3,
 };
 use proptest::prelude::*;
 

@@ -169,7 +169,7 @@ impl Layout {
                 let part = format!("set '{}'", block.block.label());
                 DeviceError::refused(part, reason.to_string())
             })?;
-            let damping = block.block.stiffness_damping();
+            let damping = block.block.damping().stiffness;
             let known = groups
                 .iter()
                 .position(|group| group.program == program && group.damping == damping);
@@ -311,7 +311,9 @@ fn fill(
                 let node = model.slot_nodes[slot as usize];
                 group.nodes[corner * elements + first + element] = node;
             }
-            let inputs = block.program_inputs(element, at_rest.displacement(), at_rest.velocity());
+            let inputs = block.programmed().map_or_else(Vec::new, |programmed| {
+                programmed.program_inputs(element, at_rest.displacement(), at_rest.velocity())
+            });
             let put = |rows: &mut [f64], from: &[f64]| {
                 for (row, number) in from.iter().enumerate() {
                     rows[row * elements + first + element] = *number;

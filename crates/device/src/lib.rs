@@ -1,7 +1,7 @@
 //! Time steps of a model on a graphics processor, from the programs of its elements.
 //!
 //! [`DeviceSteps`] is the [`StepDevice`](powerhouse_model::StepDevice) that an engine hands its unobserved steps. It writes kernels in CUDA C around the
-//! [programs](powerhouse_model::ElementBlock::program) of the elements, and runs them on a [`Device`]: a card of NVIDIA
+//! [programs](powerhouse_model::ProgrammedBlock::program) of the elements, and runs them on a [`Device`]: a card of NVIDIA
 //! (`CudaDevice`, feature `cuda`), or the host's own processor through a C++ compiler ([`EmulatedDevice`]), to test every
 //! kernel where there is no card.
 //!

@@ -89,7 +89,7 @@ fn compare<S: Scalar + Lane<Scalar = S, Token = (), Mask = bool>>(
             let u = nodal(nodes.len(), element, step, size);
             let v = nodal(nodes.len(), element, step, size / STEP);
             let (u, v) = (NodalView::F64(&u), NodalView::F64(&v));
-            let inputs = block.program_inputs(0, u, v);
+            let inputs = block.programmed().unwrap().program_inputs(0, u, v);
             let inputs: Vec<S> = inputs.into_iter().map(S::from_f64).collect();
             let mut out = vec![Quad::<f64>::default(); nodes.len()];
             let when = StepTime {
@@ -116,7 +116,7 @@ fn compare<S: Scalar + Lane<Scalar = S, Token = (), Mask = bool>>(
                 }
             }
             // In the order of the program: point by point, then those of the element.
-            let after = block.program_inputs(0, u, v);
+            let after = block.programmed().unwrap().program_inputs(0, u, v);
             let after = &after[after.len() - history.len()..];
             for (new, committed) in history.iter().zip(after) {
                 assert_eq!(new.to_f64().to_bits(), committed.to_bits(), "{case}");

@@ -28,7 +28,7 @@ const MOST_FORCES: usize = 8_000_000;
 /// nobody observes; results have the bits of [`Explicit`](crate::Explicit).
 ///
 /// Joints and other constraints, embedded elements such as bolts, prescribed motions, slices under waves along y, laws
-/// without a [program](ElementBlock::program), the energy balance and the profile of steps are refused by name.
+/// without a [program](powerhouse_model::ProgrammedBlock::program), the energy balance and the profile of steps are refused by name.
 pub struct ExplicitOnDevice {
     devices: Arc<dyn StepDevices>,
     name: String,

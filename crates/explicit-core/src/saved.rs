@@ -7,8 +7,8 @@
 use std::collections::HashMap;
 
 use powerhouse_model::{
-    HistoryField, HourglassShare, JointHistory, Observer, Precision, RunError, SavedRun,
-    SavedSection, State, StateError, StaticError, decode, encode, interned,
+    Constraint, HistoryField, HourglassShare, JointHistory, Observer, Precision, RunError,
+    SavedRun, SavedSection, State, StateError, StaticError, decode, encode, interned,
 };
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -89,6 +89,14 @@ impl From<PartFault> for RunError {
 impl From<PartFault> for StaticError {
     fn from(PartFault { part, source }: PartFault) -> Self {
         Self::State { part, source }
+    }
+}
+
+/// Restores what belongs to the parts of a constraint from the state of a constraint of some parts.
+fn restore_parts(constraint: &mut dyn Constraint, saved: &[u8]) -> Result<(), StateError> {
+    match constraint.restricted() {
+        Some(restricted) => restricted.restore_parts(saved),
+        None => Err(StateError::Unexpected),
     }
 }
 
@@ -251,8 +259,8 @@ impl Model {
         for (block, &index) in self.blocks.iter().zip(&self.ranks.block_numbers) {
             let index = index as usize;
             let own = name(BLOCK, index, block.label());
-            match block.save_state().transpose() {
-                Some(bytes) => add(saved, own, bytes)?,
+            match block.saved() {
+                Some(state) => add(saved, own, state.save_state())?,
                 None => {
                     let own = name(HISTORY, index, block.label());
                     add(saved, own, encode(&block.history()))?;
@@ -262,13 +270,13 @@ impl Model {
         let numbers = &self.ranks.constraint_numbers;
         for (bound, &index) in self.constraints.iter().zip(numbers) {
             let (constraint, index) = (&bound.constraint, index as usize);
-            match constraint.save_state().transpose() {
-                Some(bytes) => {
+            match constraint.saved() {
+                Some(state) => {
                     let own = name(&self.part(CONSTRAINT), index, constraint.name());
-                    add(saved, own, bytes)?;
+                    add(saved, own, state.save_state())?;
                 }
                 None => {
-                    let joints = constraint.joints();
+                    let joints = bound.joints();
                     let joints: Vec<JointHistory> = joints.iter().map(JointHistory::from).collect();
                     let own = name(&self.part(JOINTS), index, constraint.name());
                     add(saved, own, encode(&joints))?;
@@ -284,7 +292,11 @@ impl Model {
             let index = index as usize;
             let own = name(BLOCK, index, block.label());
             if let Some(bytes) = sections.take(&own) {
-                block.restore_state(bytes).map_err(of_part(&own))?;
+                let restored = match block.saved_mut() {
+                    Some(state) => state.restore_state(bytes),
+                    None => Err(StateError::Unexpected),
+                };
+                restored.map_err(of_part(&own))?;
             } else {
                 let fields: Vec<HistoryField> =
                     sections.decode(&name(HISTORY, index, block.label()))?;
@@ -299,15 +311,18 @@ impl Model {
             let own = name(CONSTRAINT, index, constraint.name());
             if let Some(bytes) = sections.take(&own) {
                 let restored = match is_single {
-                    true => constraint.restore_state(bytes),
-                    false => constraint.restore_parts(bytes),
+                    true => match constraint.saved_mut() {
+                        Some(state) => state.restore_state(bytes),
+                        None => Err(StateError::Unexpected),
+                    },
+                    false => restore_parts(constraint.as_mut(), bytes),
                 };
                 restored.map_err(of_part(&own))?;
                 continue;
             }
             let parts = sections.take_parts(&own);
             for bytes in &parts {
-                constraint.restore_parts(bytes).map_err(of_part(&own))?;
+                restore_parts(constraint.as_mut(), bytes).map_err(of_part(&own))?;
             }
             if !parts.is_empty() {
                 continue;

@@ -95,7 +95,7 @@ impl Model {
                 let alone = FrequencyLimits::undamped(frequency).with_damping(
                     damping,
                     damping,
-                    block.mass_damping(),
+                    block.damping().mass,
                 );
                 let step = integrator.stable_step(&alone)?;
                 bounds.push(ElementBound {
@@ -143,8 +143,8 @@ impl Model {
         let mut least = f64::INFINITY;
         let mut mass = 0.0_f64;
         for block in &self.blocks {
-            least = least.min(block.stiffness_damping());
-            mass = mass.max(block.mass_damping());
+            least = least.min(block.damping().stiffness);
+            mass = mass.max(block.damping().mass);
         }
         let team = &self.ranks.team;
         let (least, mass) = (team.least_of(least), team.most_of(mass));
@@ -162,8 +162,8 @@ impl Model {
         let (mut bound, mut reference_speed) = (0.0_f64, 0.0_f64);
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         for block in &self.blocks {
-            least = least.min(block.stiffness_damping());
-            most = most.max(block.stiffness_damping());
+            least = least.min(block.damping().stiffness);
+            most = most.max(block.damping().stiffness);
             for of_element in block.frequency_bounds() {
                 bound = bound.max(of_element.frequency);
                 let size = self.element_size(of_element.element);
@@ -187,7 +187,7 @@ impl Model {
         let mut stiffness_damping = most;
         if least < most {
             let damped =
-                self.in_pool(|model| model.highest_eigenvalue(|block| block.stiffness_damping()));
+                self.in_pool(|model| model.highest_eigenvalue(|block| block.damping().stiffness));
             if damped.converged {
                 let coefficient = (damped.value + damped.residual) / highest.powi(2);
                 stiffness_damping = stiffness_damping.min(coefficient);

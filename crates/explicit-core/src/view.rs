@@ -83,7 +83,9 @@ impl StepView for View<'_> {
             return Some(stress);
         };
         let displacement = NodalView::F64(self.displacement_of_block(block));
-        if let Some(linear) = model.blocks[block].surface_stresses(index, displacement) {
+        let output = model.blocks[block].output();
+        let linear = output.and_then(|output| output.surface_stresses(index, displacement));
+        if let Some(linear) = linear {
             for (part, coordinate) in linear.iter().zip(natural.iter()) {
                 for i in 0..6 {
                     stress.0[i] += part.0[i] * coordinate;
@@ -100,9 +102,13 @@ impl StepView for View<'_> {
         };
         let initial = model.initial.stress(element);
         let displacement = NodalView::F64(self.displacement_of_block(block));
-        let is_known = model.blocks[block].element_forces(index, displacement, &initial, out);
+        let forces = model.blocks[block].output();
+        let forces = forces.and_then(|output| output.element_forces());
+        if let Some(forces) = forces {
+            forces.write_forces(index, displacement, &initial, out);
+        }
         (model.initial).add_forces_of_slope(&model.mesh, element, out);
-        is_known
+        forces.is_some()
     }
     fn energies(&self) -> &[(&'static str, f64)] {
         self.energies

@@ -263,7 +263,7 @@ fn ranks_do_not_change_a_bit() {
             let step = model.stable_step(&Leapfrog).unwrap().step;
             let report = model.run(&Leapfrog, &options(), &mut [], &mut |_| {});
             let report = report.map_err(|failure| failure.error).unwrap();
-            Ok((step, (model.state(), report.energies)))
+            Ok((step, (model.stateful().unwrap().state(), report.energies)))
         });
         for of_rank in found {
             assert_eq!(of_rank.unwrap(), (step, whole.clone()), "{count} ranks");

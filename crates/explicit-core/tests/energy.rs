@@ -7,10 +7,10 @@ use crate::support::{Links, energy_of, hex_box, random_vectors};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, OneSided, run};
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, BoundaryParts, Constant,
-    Constraint, ConstraintWork, ElementBlock, ElementFault, ElementKind, EnergyCheck,
-    FrequencyBound, HistoryField, Mat3, Mesh, ModelError, ModelSpec, NodalImpedance, NodalLoad,
-    NodalView, NodalViewMut, Operator, Precision, PredictedMotion, Prescribed, RunError,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockOutput, BlockPart, BlockStiffness,
+    BoundaryParts, Constant, Constraint, ConstraintWork, DampedBlock, ElementBlock, ElementFault,
+    ElementKind, EnergyCheck, FrequencyBound, Mat3, Mesh, ModelError, ModelSpec, NodalImpedance,
+    NodalLoad, NodalView, NodalViewMut, Precision, PredictedMotion, Prescribed, RunError,
     RunOptions, RunReport, StepChoice, Stress, Support, TimeFunction, TimeIntegrator, Vec3,
 };
 
@@ -382,49 +382,30 @@ impl ElementBlock for CheatBlock {
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         self.0.forces(context, out)
     }
-    fn commit(&mut self) {
-        self.0.commit();
-    }
-    fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut) {
-        self.0.apply(operator, x, out);
-    }
-    fn diagonal(&self, operator: Operator, out: &mut [Mat3]) {
-        self.0.diagonal(operator, out);
-    }
     fn add_mass(&self, out: &mut [f64]) {
         self.0.add_mass(out);
     }
     fn frequency_bounds(&self) -> Vec<FrequencyBound> {
         self.0.frequency_bounds()
     }
-    fn stiffness_damping(&self) -> f64 {
-        self.0.stiffness_damping()
+    fn damped(&self) -> Option<&dyn DampedBlock> {
+        self.0.damped()
     }
-    fn mass_damping(&self) -> f64 {
-        self.0.mass_damping()
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        self.0.stiffness()
     }
-    fn set_active(&mut self, active: &[bool]) {
-        self.0.set_active(active);
+    fn output(&self) -> Option<&dyn BlockOutput> {
+        Some(self)
     }
-    fn set_reference_displacement(&mut self, displacement: NodalView) {
-        self.0.set_reference_displacement(displacement);
-    }
-    fn set_initial_stress(&mut self, stress: &[Stress]) {
-        self.0.set_initial_stress(stress);
-    }
-    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
-        self.0.add_stress(displacement, out);
-    }
+}
+impl BlockOutput for CheatBlock {
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
         let mut energy = self.0.energy(context);
         energy.elastic *= 0.999;
         energy
     }
-    fn history(&self) -> Vec<HistoryField> {
-        self.0.history()
-    }
-    fn set_history(&mut self, fields: &[HistoryField]) {
-        self.0.set_history(fields);
+    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
+        self.0.add_stress(displacement, out);
     }
 }
 

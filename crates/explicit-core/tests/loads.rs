@@ -4,9 +4,9 @@ use crate::support::{Links, chain};
 use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BoundaryParts, ElementBlock, ElementFault, ElementKind, ExtraBlock,
-    FrequencyBound, HistoryField, Mat3, Mesh, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
-    Operator, Quad, Rayleigh, RunOptions, StepChoice, Stress, Vec3,
+    BlockContext, BlockStiffness, BoundaryParts, ElementBlock, ElementFault, ElementKind,
+    ExtraBlock, FrequencyBound, Mat3, Mesh, NodalImpedance, NodalLoad, NodalView, NodalViewMut,
+    Operator, Quad, Rayleigh, RunOptions, StepChoice, Vec3,
 };
 
 /// Resultant (N) and moment about the origin (N m) of a load at a time.
@@ -184,11 +184,6 @@ impl ElementBlock for Tail {
         self.write(context.displacement, out);
         Ok(())
     }
-    fn commit(&mut self) {}
-    fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
-        self.write(x, out);
-    }
-    fn diagonal(&self, _operator: Operator, _out: &mut [Mat3]) {}
     fn add_mass(&self, out: &mut [f64]) {
         out[0] += 0.5 * self.mass;
         out[1] += 0.5 * self.mass;
@@ -196,23 +191,15 @@ impl ElementBlock for Tail {
     fn frequency_bounds(&self) -> Vec<FrequencyBound> {
         Vec::new()
     }
-    fn stiffness_damping(&self) -> f64 {
-        0.0
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        Some(self)
     }
-    fn mass_damping(&self) -> f64 {
-        0.0
+}
+
+impl BlockStiffness for Tail {
+    fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
+        self.write(x, out);
     }
-    fn set_active(&mut self, _active: &[bool]) {}
-    fn set_reference_displacement(&mut self, _displacement: NodalView) {}
-    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-    fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
-    fn energy(&self, _context: &BlockContext) -> BlockEnergy {
-        BlockEnergy::default()
-    }
-    fn history(&self) -> Vec<HistoryField> {
-        Vec::new()
-    }
-    fn set_history(&mut self, _fields: &[HistoryField]) {}
 }
 
 /// Blocks that boundaries bring along, with nodes and a load of their own, extend the body: a bar

@@ -4,9 +4,9 @@ use crate::support::{Links, chain, hex_box};
 use powerhouse_elements::NodalForce;
 use powerhouse_explicit_core::{BuildModel, Model};
 use powerhouse_model::{
-    BoundaryParts, Constraint, ConstraintParts, ConstraintWork, ElementKind, EngineError, Mat3,
-    Mesh, MeshError, ModelError, ModelSpec, NodalImpedance, PeriodicPairs, Precision,
-    PredictedMotion, Prescribed, RunError, Support, Vec3,
+    BoundaryParts, Constraint, ConstraintParts, ConstraintWork, DividedConstraint, ElementKind,
+    EngineError, Mat3, Mesh, MeshError, ModelError, ModelSpec, NodalImpedance, PeriodicPairs,
+    Precision, PredictedMotion, Prescribed, RunError, Support, Vec3,
 };
 
 fn rock() -> Links {
@@ -248,12 +248,18 @@ impl Constraint for Held {
     fn nodes(&self) -> &[u32] {
         &self.nodes
     }
-    fn parts(&self) -> ConstraintParts {
-        ConstraintParts::merged(self.parts.iter().map(|part| &part[..]))
+    fn divided(&self) -> Option<&dyn DividedConstraint> {
+        Some(self)
     }
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
         motion.velocity.fill(Vec3::zeros());
         Ok(ConstraintWork::default())
+    }
+}
+
+impl DividedConstraint for Held {
+    fn parts(&self) -> ConstraintParts {
+        ConstraintParts::merged(self.parts.iter().map(|part| &part[..]))
     }
 }
 

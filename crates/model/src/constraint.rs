@@ -1,13 +1,14 @@
 //! Kinematic constraints and joints, which correct a predicted motion.
 
 use crate::{
-    ConstraintParts, JointHistory, JointView, Mat3, Renewal, RunError, StateError, StepTime, Vec3,
+    ConstraintParts, JointHistory, JointView, Mat3, Renewal, RunError, SavedState, StateError,
+    StepTime, Vec3,
 };
 
 /// Motion of a constraint's nodes as the integrator predicts it without the constraint.
 ///
 /// All slices are in the order of [`Constraint::nodes`]. A constraint changes `velocity` by
-/// `step * inverse_mass * force`, and that of [coupled](Constraint::couple) nodes by what these forces do to them, nothing
+/// `step * inverse_mass * force`, and that of [coupled](CoupledConstraint::couple) nodes by what these forces do to them, nothing
 /// else; the engine then moves the nodes.
 #[non_exhaustive]
 pub struct PredictedMotion<'a> {
@@ -130,7 +131,8 @@ pub struct NodeCoupling {
 ///
 /// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step, and
 /// by static solutions, of dynamic relaxation in every iteration; it may change velocities by
-/// `step * inverse_mass * force` only.
+/// `step * inverse_mass * force` only. What a constraint of joints, of parts, of coupled nodes or with a history has in
+/// addition is behind a method that returns none by default.
 ///
 /// ```
 /// use powerhouse_model::{Constraint, ConstraintWork, PredictedMotion, RunError, Vec3};
@@ -150,63 +152,72 @@ pub trait Constraint: Send {
     fn name(&self) -> &str;
     /// Mesh indices of the nodes that it reads and corrects, each at most once.
     fn nodes(&self) -> &[u32];
-    /// Its parts: nodes that must be corrected together, each of [`nodes`](Self::nodes) in one part; by default all in one, which
-    /// is right for any constraint.
-    fn parts(&self) -> ConstraintParts {
-        ConstraintParts::whole(self.nodes())
-    }
-    /// Restricts the constraint to some of its [parts](Self::parts), for a process that has no nodes of the others:
-    /// `kept` says of each part whether it remains. The nodes of those parts keep their order. Returns whether the
-    /// constraint is now that of these parts alone; by default it cannot be restricted. A constraint of one part need not
-    /// be, since it is present as a whole or not at all.
-    fn keep_parts(&mut self, _kept: &[bool]) -> bool {
-        false
-    }
     /// Prepares for steps of a length (s) and inverse effective masses (1/kg, in the order of
     /// [`nodes`](Self::nodes)). Called before the first step and whenever they change, so that what
     /// depends on them alone is computed once.
     fn prepare(&mut self, _step: f64, _inverse_mass: &[Mat3]) {}
-    /// Sets the couplings between its nodes, in place of those before: from the next [`prepare`](Self::prepare) on an
-    /// impulse changes the velocities of coupled nodes, too, and coupled nodes are in one [part](Self::parts). Returns
-    /// whether it is solved so; by default only without couplings.
-    fn couple(&mut self, couplings: &[NodeCoupling]) -> bool {
-        couplings.is_empty()
-    }
     /// Corrects the predicted velocities and returns the work of its forces in this step, from which the energy balance is
     /// computed.
     ///
     /// # Errors
     /// If the condition cannot be met within the constraint's own cap on iterations; it ends the run.
     fn correct(&mut self, motion: PredictedMotion) -> Result<ConstraintWork, RunError>;
-    /// Work in the last [corrected](Self::correct) step divided among its nodes, that of a part among nodes of this part: where
-    /// several processes have a part, one of them accounts its work. None by default: the work of a constraint that is not
-    /// divided is accounted at its first node, and it cannot be restricted to parts in a run with an energy balance.
-    fn divided_work(&self) -> Option<DividedWork<'_>> {
-        None
-    }
-    /// Adds the forces (N, in the order of [`nodes`](Self::nodes)) of its joints on their nodes in the present state, which are
-    /// equal and opposite on both sides: area times what their tractions exceed those that act without them. Adds none by
-    /// default.
-    fn add_joint_forces(&self, _out: &mut [Vec3]) {}
-    /// Lets the closed pairs of its joints without a [reference](crate::JointRecord::reference) take their present tractions
-    /// for it: what forces leave open stays as it is. By default nothing changes.
-    fn keep_tractions(&mut self) {}
     /// Pairs of nodes (mesh indices) that it holds together whatever the force, beside those of its
     /// joints that stick; static solutions take the nodes of such a pair for one. None by default.
     fn ties(&self) -> Vec<[u32; 2]> {
         Vec::new()
     }
-    /// Views of the joints that it consists of; none by default.
-    fn joints(&self) -> Vec<JointView<'_>> {
-        Vec::new()
+    /// Its joints; none by default.
+    fn jointed(&self) -> Option<&dyn JointConstraint> {
+        None
     }
+    /// The same joints, to be changed; none by default.
+    fn jointed_mut(&mut self) -> Option<&mut dyn JointConstraint> {
+        None
+    }
+    /// Its division into parts; none by default: its nodes are then one part, which is right for any constraint.
+    fn divided(&self) -> Option<&dyn DividedConstraint> {
+        None
+    }
+    /// Its restriction to some of its [parts](DividedConstraint::parts); none, the default, if it cannot be restricted. A
+    /// constraint of one part need not be, since it is present as a whole or not at all.
+    fn restricted(&mut self) -> Option<&mut dyn RestrictedConstraint> {
+        None
+    }
+    /// Its solution with nodes coupled by inertia; none, the default, if it has none.
+    fn coupled(&mut self) -> Option<&mut dyn CoupledConstraint> {
+        None
+    }
+    /// Its state between two steps, with that of its joints, from which an equal constraint goes on in a resumed run. None
+    /// by default: a constraint without joints and other history has none, and the engine keeps the joints of one that
+    /// has no state of its own by their [views](JointConstraint::joints).
+    fn saved(&self) -> Option<&dyn SavedState> {
+        None
+    }
+    /// The same state, to be restored; none by default.
+    fn saved_mut(&mut self) -> Option<&mut dyn SavedState> {
+        None
+    }
+}
+
+/// Joints of a constraint, with their tractions and histories: for output, static solutions, stages and restarts.
+pub trait JointConstraint {
+    /// Views of the joints that the constraint consists of.
+    fn joints(&self) -> Vec<JointView<'_>>;
+    /// Adds the forces (N, in the order of [`nodes`](Constraint::nodes)) of the joints on their nodes in the present state,
+    /// which are equal and opposite on both sides: area times what their tractions exceed those that act without them.
+    fn add_joint_forces(&self, out: &mut [Vec3]);
+    /// Lets the closed pairs of the joints without a [reference](crate::JointRecord::reference) take their present tractions
+    /// for it: what forces leave open stays as it is.
+    fn keep_tractions(&mut self);
     /// Sets the pairs of a joint to the state of an earlier run, whatever the order of its pairs
-    /// then; closed pairs without a reference traction take their own for it. Returns whether it has a joint of that name
-    /// with these pairs. Has none by default.
-    fn restore(&mut self, _history: &JointHistory) -> bool {
-        false
-    }
-    /// Begins an increment of a dynamic relaxation from given states of its joints, to its [end](Self::end_relaxation): its
+    /// then; closed pairs without a reference traction take their own for it. Returns whether there is a joint of that name
+    /// with these pairs.
+    fn restore(&mut self, history: &JointHistory) -> bool;
+    /// Starts a joint anew, by name, at a displacement (m, in the order of [`nodes`](Constraint::nodes)) from
+    /// which its opening and slip count from then on; returns whether there is a joint of that name.
+    fn renew(&mut self, joint: &str, renewal: Renewal, displacement: &[Vec3]) -> bool;
+    /// Begins an increment of a dynamic relaxation from given states of the joints, to its [end](Self::end_relaxation): its
     /// steps are no motion in time, so that damage of bonds, slip and peaks count from these states to the present displacement and
     /// not along the way. By default they count as in time.
     fn begin_relaxation(&mut self, _start: &[JointHistory]) {}
@@ -216,34 +227,39 @@ pub trait Constraint: Send {
     fn take_back(&mut self, _share: f64) {}
     /// Ends an increment of a dynamic relaxation. By default nothing changes.
     fn end_relaxation(&mut self) {}
-    /// Starts a joint anew, by name, at a displacement (m, in the order of [`nodes`](Self::nodes)) from
-    /// which its opening and slip count from then on; returns whether it has a joint of that name. Has
-    /// none by default.
-    fn renew(&mut self, _joint: &str, _renewal: Renewal, _displacement: &[Vec3]) -> bool {
-        false
+}
+
+/// Parts of a constraint, each of which several processes may correct by itself, with their work.
+pub trait DividedConstraint {
+    /// Nodes that must be corrected together, each of [`nodes`](Constraint::nodes) in one part.
+    fn parts(&self) -> ConstraintParts;
+    /// Work in the last [corrected](Constraint::correct) step divided among the nodes, that of a part among nodes of this part:
+    /// where several processes have a part, one of them accounts its work. None by default: the work of a constraint that
+    /// is not divided is accounted at its first node, and it cannot be restricted to parts in a run with an energy balance.
+    fn divided_work(&self) -> Option<DividedWork<'_>> {
+        None
     }
-    /// State of the constraint between two steps as bytes, with that of its joints, from which an equal constraint goes
-    /// on in a resumed run. None by default: a constraint without joints and other history has none, and the engine keeps
-    /// the joints of one that has no state of its own by their [views](Self::joints).
-    ///
-    /// # Errors
-    /// A state that cannot be saved.
-    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
-        Ok(None)
-    }
-    /// Restores, of a state that a constraint of some [parts](Self::parts) of an equal one [saved](Self::save_state), what
+}
+
+/// Restriction of a constraint to some of its parts, for a process that has no nodes of the others.
+pub trait RestrictedConstraint {
+    /// Restricts the constraint to some of its [parts](DividedConstraint::parts): `kept` says of each part whether it
+    /// remains. The nodes of those parts keep their order.
+    fn keep_parts(&mut self, kept: &[bool]);
+    /// Restores, of a state that a constraint of some parts of an equal one [saved](SavedState::save_state), what
     /// belongs to its own parts; others keep theirs.
     ///
     /// # Errors
-    /// A state of another constraint; by default every one.
+    /// A state of another constraint; by default, of constraints without a state, every one.
     fn restore_parts(&mut self, _saved: &[u8]) -> Result<(), StateError> {
         Err(StateError::Unexpected)
     }
-    /// Restores a state that an equal constraint [saved](Self::save_state).
-    ///
-    /// # Errors
-    /// A state of another constraint; by default every one.
-    fn restore_state(&mut self, _saved: &[u8]) -> Result<(), StateError> {
-        Err(StateError::Unexpected)
-    }
+}
+
+/// Solution of a constraint some nodes of which are coupled by inertia that they share.
+pub trait CoupledConstraint {
+    /// Sets the couplings between its nodes, in place of those before: from the next [`prepare`](Constraint::prepare) on an
+    /// impulse changes the velocities of coupled nodes, too, and coupled nodes are in one
+    /// [part](DividedConstraint::parts).
+    fn couple(&mut self, couplings: &[NodeCoupling]);
 }

@@ -1,6 +1,6 @@
 //! Parts of constraints: nodes that must be corrected together.
 
-use crate::DisjointSets;
+use crate::{Constraint, DisjointSets};
 
 /// Parts of constraints: disjoint sets of nodes (mesh indices), in a fixed order.
 ///
@@ -25,6 +25,12 @@ pub struct ConstraintParts {
 }
 
 impl ConstraintParts {
+    /// The parts of a constraint: those into which it is [divided](Constraint::divided), or one of all its nodes.
+    pub fn of(constraint: &dyn Constraint) -> Self {
+        let divided = constraint.divided().map(|divided| divided.parts());
+        divided.unwrap_or_else(|| Self::whole(constraint.nodes()))
+    }
+
     /// One part of all these nodes; no part without nodes.
     pub fn whole(nodes: &[u32]) -> Self {
         let mut parts = Self::default();

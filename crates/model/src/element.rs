@@ -1,8 +1,8 @@
 //! Blocks of elements, behind which an engine knows neither kernels nor laws.
 
 use crate::{
-    HistoryField, Mat3, NodalView, NodalViewMut, Program, ProgramError, Quad, StateError, StepTime,
-    Stress, Vec3,
+    BlockOutput, BlockStiffness, DampedBlock, NodalView, NodalViewMut, ProgrammedBlock,
+    StatefulBlock, StepTime,
 };
 
 /// Storage of the new history variables of a force evaluation.
@@ -33,7 +33,7 @@ pub struct BlockContext<'a> {
     /// Displacement (m) of the block's nodes.
     pub displacement: NodalView<'a>,
     /// Velocity half a step before `time` (m/s) of the block's nodes; empty where the block does not
-    /// [read it](ElementBlock::reads_velocity).
+    /// [read it](DampedBlock::reads_velocity).
     pub velocity: NodalView<'a>,
     /// Addition to the stiffness damping coefficient of every block (s); negative in the paper's
     /// one-sided scheme.
@@ -252,8 +252,11 @@ impl ElementFault {
 /// vector that it reads or writes has one entry per node in this order. The engine copies values to the block
 /// and sums the forces of all blocks at each node in a fixed order, for any number of threads.
 ///
-/// In a run [`forces`](Self::forces) is called once in every step, after a [`commit`](Self::commit) of the step before;
+/// In a run [`forces`](Self::forces) is called once in every step, after a [`commit`](StatefulBlock::commit) of the step before;
 /// static solutions call it with trial displacements any number of times between two commits.
+///
+/// What stable steps, damping, results, states and programs need in addition is behind methods that return none by default.
+/// Engines call it by the methods of `dyn ElementBlock`, which define what a block without it does.
 ///
 /// A massless spring between one node and the ground:
 /// ```
@@ -267,7 +270,12 @@ impl ElementFault {
 ///         self.apply(Operator::Elastic, context.displacement, out);
 ///         Ok(())
 ///     }
-///     fn commit(&mut self) {}
+///     fn add_mass(&self, _out: &mut [f64]) {}
+///     fn frequency_bounds(&self) -> Vec<FrequencyBound> { Vec::new() }
+///     fn stiffness(&self) -> Option<&dyn BlockStiffness> { Some(self) }
+///     fn output(&self) -> Option<&dyn BlockOutput> { Some(self) }
+/// }
+/// impl BlockStiffness for Anchor {
 ///     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
 ///         let force = x.vector(0) * self.stiffness;
 ///         match out {
@@ -275,21 +283,12 @@ impl ElementFault {
 ///             NodalViewMut::F32(out) => out[0] = Quad::from_vector(&force),
 ///         }
 ///     }
-///     fn diagonal(&self, _operator: Operator, out: &mut [Mat3]) { out[0] += Mat3::identity() * self.stiffness; }
-///     fn add_mass(&self, _out: &mut [f64]) {}
-///     fn frequency_bounds(&self) -> Vec<FrequencyBound> { Vec::new() }
-///     fn stiffness_damping(&self) -> f64 { 0.0 }
-///     fn mass_damping(&self) -> f64 { 0.0 }
-///     fn set_active(&mut self, _active: &[bool]) {}
-///     fn set_reference_displacement(&mut self, _displacement: NodalView) {}
-///     fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-///     fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
+/// }
+/// impl BlockOutput for Anchor {
 ///     fn energy(&self, context: &BlockContext) -> BlockEnergy {
 ///         let u = context.displacement.vector(0);
 ///         BlockEnergy::elastic(0.5 * self.stiffness * u.norm_squared())
 ///     }
-///     fn history(&self) -> Vec<HistoryField> { Vec::new() }
-///     fn set_history(&mut self, _fields: &[HistoryField]) {}
 /// }
 /// ```
 pub trait ElementBlock: Send + Sync {
@@ -300,44 +299,6 @@ pub trait ElementBlock: Send + Sync {
     /// Mesh indices of the block's nodes, each once; additional nodes of a boundary follow those of the mesh, in the
     /// order in which the boundary lists them. Nodal vectors of the block are in this order.
     fn nodes(&self) -> &[u32];
-    /// Whether [`forces`](Self::forces) reads velocities, with an addition to the stiffness damping coefficient (s)
-    /// and with or without energy bookkeeping. If not, the velocity of the context may be empty. True by default.
-    fn reads_velocity(&self, _damping_shift: f64, _ledger: bool) -> bool {
-        true
-    }
-    /// Whether [`forces`](Self::forces) are the product of the elastic stiffness, [`Operator::Elastic`], with the displacement since
-    /// the reference displacement, and nothing else. False by default, which is right for every block.
-    fn is_linear_elastic(&self) -> bool {
-        false
-    }
-    /// Program of one element of the block in a dynamic step of a length (s): the arithmetic of [`forces`](Self::forces)
-    /// from the displacement of its nodes to their forces, without ledger, for other processors. None by default.
-    ///
-    /// Its inputs and outputs have names, with nodes, components, integration points and history variables. Inputs are
-    /// `displacement` of the nodes (m), that of the elements' first node subtracted where elements are computed in single
-    /// precision; `velocity` likewise (m/s), if damping or flow needs it; the numbers of `geometry`; with a law that is not linear
-    /// also `initial` stress (Pa), `extents` (m2), `history` of every point and `element_history`. Outputs are `force` (N)
-    /// and the new histories. With a linear law the `displacement` is that with the velocity, times the coefficient of stiffness damping,
-    /// added. The displacement is that since the reference displacement. `forks` is the number of forks at most.
-    ///
-    /// # Errors
-    /// What has no program, with the reason.
-    fn program(&self, _step: f64, _forks: usize) -> Result<Program, ProgramError> {
-        Err(ProgramError::None {
-            name: self.label().to_owned(),
-        })
-    }
-    /// Inputs of the [program](Self::program) for an element, given by its index in [`elements`](Self::elements), in the order
-    /// of their names: at a displacement (m) and a velocity (m/s) of the block's nodes, from the committed history variables. Empty for
-    /// blocks without a program.
-    fn program_inputs(
-        &self,
-        _index: usize,
-        _displacement: NodalView,
-        _velocity: NodalView,
-    ) -> Vec<f64> {
-        Vec::new()
-    }
     /// Writes the internal forces (N) of every node of the block, stiffness damping included, and computes
     /// new history variables without committing them.
     ///
@@ -346,123 +307,32 @@ pub trait ElementBlock: Send + Sync {
     /// # Errors
     /// The first element of which displacement, velocity, stress or force is not finite.
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault>;
-    /// Commits the history variables of the last [`forces`](Self::forces).
-    fn commit(&mut self);
-    /// Writes the product of a stiffness operator and a nodal vector, both in the order of
-    /// [`nodes`](Self::nodes).
-    fn apply(&self, operator: Operator, x: NodalView, out: NodalViewMut);
-    /// Adds the nodal 3 x 3 diagonal blocks of a stiffness operator (N/m), in the order of
-    /// [`nodes`](Self::nodes).
-    fn diagonal(&self, operator: Operator, out: &mut [Mat3]);
-    /// Calls a function with every element stiffness matrix of an operator: indices in [`nodes`](Self::nodes) of
-    /// the nodes that the matrix couples, and its entries (N/m), row by row, three rows and three columns per node.
-    ///
-    /// By default there is one matrix for all nodes of the block, each column from
-    /// [`apply`](Self::apply): right for a few nodes, expensive for many.
-    fn each_matrix(&self, operator: Operator, visit: &mut dyn FnMut(&[u32], &[f64])) {
-        let count = self.nodes().len();
-        let mut unit = vec![Quad::<f64>::default(); count];
-        let mut forces = unit.clone();
-        let size = 3 * count;
-        let mut matrix = vec![0.0; size * size];
-        for column in 0..size {
-            unit[column / 3].values[column % 3] = 1.0;
-            self.apply(
-                operator,
-                NodalView::F64(&unit),
-                NodalViewMut::F64(&mut forces),
-            );
-            unit[column / 3].values[column % 3] = 0.0;
-            for row in 0..size {
-                matrix[row * size + column] = forces[row / 3].values[row % 3];
-            }
-        }
-        let every: Vec<u32> = (0..count as u32).collect();
-        visit(&every, &matrix);
-    }
     /// Adds the lumped masses of the nodes (kg), in the order of [`nodes`](Self::nodes).
     fn add_mass(&self, out: &mut [f64]);
     /// Frequency bound of each active element.
     fn frequency_bounds(&self) -> Vec<FrequencyBound>;
-    /// Stiffness damping coefficient of Rayleigh damping (s).
-    fn stiffness_damping(&self) -> f64;
-    /// Mass damping coefficient of Rayleigh damping (1/s).
-    fn mass_damping(&self) -> f64;
-    /// Activates and deactivates elements, in the order of [`elements`](Self::elements).
-    fn set_active(&mut self, active: &[bool]);
-    /// Sets the reference displacement (m) of the block's nodes, from which strain and hourglass deformation
-    /// are measured: elements that are cast later are free of stress in the deformed body.
-    fn set_reference_displacement(&mut self, displacement: NodalView);
-    /// Sets the initial stress (Pa) of each element, in the order of [`elements`](Self::elements).
-    fn set_initial_stress(&mut self, stress: &[Stress]);
-    /// Adds the nodal forces (N) of uniform element stresses (Pa), such as initial stresses: stresses in the
-    /// order of [`elements`](Self::elements), forces in that of [`nodes`](Self::nodes).
-    ///
-    /// By default nothing is added, which is right for blocks that bear no initial stress, such as bolts
-    /// and boundary elements; a block with initial stress must override it, or the initial stress is not
-    /// in equilibrium.
-    fn add_forces_of(&self, _stress: &[Stress], _out: &mut [Vec3]) {}
-    /// Adds the mean change of stress (Pa) over the volume of each element at a displacement (m) of the block's nodes,
-    /// from the committed history variables, in the order of [`elements`](Self::elements).
-    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]);
-    /// Writes the internal forces (N) of one element, given by its index in [`elements`](Self::elements), at
-    /// its nodes in the mesh's order; returns whether they were written.
-    ///
-    /// They are the forces of an initial stress (Pa) and of the change of stress at a displacement (m) of the block's
-    /// nodes from the committed history variables, and hourglass forces, without stiffness damping. By default nothing
-    /// is written and the result is false, which says that the block has no forces per element: section
-    /// forces leave its elements out.
-    fn element_forces(
-        &self,
-        _index: usize,
-        _displacement: NodalView,
-        _initial: &Stress,
-        _out: &mut [Vec3],
-    ) -> bool {
-        false
-    }
-    /// Stress (Pa) on the faces of an element at the natural coordinates r = 1, s = 1 and t = 1 less its mean stress, at a
-    /// displacement (m) of the block's nodes from the committed history variables; on the opposite faces it has the other
-    /// sign. None, the default, where the stress of elements does not vary within them, or is that of several points.
-    fn surface_stresses(&self, _index: usize, _displacement: NodalView) -> Option<[Stress; 3]> {
+    /// Its damping, for forces that depend on velocities; none, the default, if they do not.
+    fn damped(&self) -> Option<&dyn DampedBlock> {
         None
     }
-    /// Energies (J): elastic and hourglass energy at the context's displacement, and accumulated dissipation.
-    fn energy(&self, context: &BlockContext) -> BlockEnergy;
-    /// Committed history variables of all elements, one field per variable.
-    fn history(&self) -> Vec<HistoryField>;
-    /// Sets committed history variables from fields, those of the block's own elements and variables.
-    fn set_history(&mut self, fields: &[HistoryField]);
-    /// Element value of a history variable after the last [`forces`](Self::forces), committed or not, of the
-    /// element with an index in [`elements`](Self::elements); none if its law has no such variable.
-    ///
-    /// By default it is the mean over the integration points of the committed [`history`](Self::history),
-    /// which is right for blocks whose history variables change only at a commit. Blocks with water in their pores also answer
-    /// [`PORE_PRESSURE`](crate::PORE_PRESSURE) and [`PORE_PRESSURE_RATIO`](crate::PORE_PRESSURE_RATIO).
-    fn shown_history(&self, index: usize, variable: &str) -> Option<f64> {
-        let fields = self.history();
-        let field = fields.iter().find(|field| field.name == variable)?;
-        let values = field
-            .values
-            .get(index * field.points..(index + 1) * field.points)?;
-        Some(values.iter().sum::<f64>() / field.points as f64)
+    /// Its stiffness, for stable steps and static solutions; none, the default, if its forces do not depend on displacements.
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        None
     }
-    /// State of the block between two steps as bytes, with the committed history variables, from which a block of the
-    /// same elements goes on in a resumed run. None by default: the engine then keeps the [`history`](Self::history),
-    /// which suffices for blocks whose energies follow from it.
-    ///
-    /// The bytes are in the order of [`elements`](Self::elements), so that blocks of other lane widths can restore them.
-    ///
-    /// # Errors
-    /// A state that cannot be saved.
-    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
-        Ok(None)
+    /// Its energies, stresses and shown history variables; none by default.
+    fn output(&self) -> Option<&dyn BlockOutput> {
+        None
     }
-    /// Restores a state that a block of the same elements [saved](Self::save_state).
-    ///
-    /// # Errors
-    /// A state of another block; by default every one.
-    fn restore_state(&mut self, _saved: &[u8]) -> Result<(), StateError> {
-        Err(StateError::Unexpected)
+    /// Its state: active elements, reference displacement, initial stress and history variables; none by default.
+    fn stateful(&self) -> Option<&dyn StatefulBlock> {
+        None
+    }
+    /// The same state, to be changed; none by default.
+    fn stateful_mut(&mut self) -> Option<&mut dyn StatefulBlock> {
+        None
+    }
+    /// The program of its elements, for other processors; none by default.
+    fn programmed(&self) -> Option<&dyn ProgrammedBlock> {
+        None
     }
 }

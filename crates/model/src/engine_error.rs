@@ -238,7 +238,7 @@ pub enum EngineError {
         /// Name of the second constraint.
         second: String,
     },
-    /// A constraint whose [parts](crate::Constraint::parts) do not have each of its nodes once.
+    /// A constraint whose [parts](crate::DividedConstraint::parts) do not have each of its nodes once.
     #[error(
         "the parts of constraint '{constraint}' do not have each of its nodes once: look at node {node}"
     )]
@@ -248,7 +248,7 @@ pub enum EngineError {
         /// Number of the first node that is missing, superfluous or has two parts.
         node: u64,
     },
-    /// A node that cannot be in a [fibre](crate::Fibre), where fibres are [set](crate::EngineModel::set_fibres).
+    /// A node that cannot be in a [fibre](crate::Fibre), where fibres are [set](crate::FibreModel::set_fibres).
     #[error("node {node} cannot be in a fibre: {reason}")]
     FibreNode {
         /// Number of the node.
@@ -341,7 +341,7 @@ pub enum EngineError {
         /// Number of the node to which it is tied.
         partner: u64,
     },
-    /// A state or initial motion that is [set](crate::EngineModel::set_state), of the wrong length or with numbers that are not
+    /// A state or initial motion that is [set](crate::StatefulModel::set_state), of the wrong length or with numbers that are not
     /// finite.
     #[error(
         "the {what} has {found} entries instead of {expected}, or holds a number that is not finite"
@@ -370,7 +370,7 @@ pub enum EngineError {
         /// Greatest permitted component (m or m/s).
         most: f64,
     },
-    /// A joint of a state that is [set](crate::EngineModel::set_state) and that the model lacks, or has with other pairs.
+    /// A joint of a state that is [set](crate::StatefulModel::set_state) and that the model lacks, or has with other pairs.
     #[error("the state has a joint '{name}' of {pairs} pairs, which the model does not have")]
     UnknownJoint {
         /// Name of the joint.
@@ -378,7 +378,7 @@ pub enum EngineError {
         /// Number of its pairs in the state.
         pairs: usize,
     },
-    /// A state that is [set](crate::EngineModel::set_state) and whose absent or cast elements differ from those of the model.
+    /// A state that is [set](crate::StatefulModel::set_state) and whose absent or cast elements differ from those of the model.
     #[error("the absent or cast elements of the state differ from those of the model")]
     OtherElements,
     /// More ranks than blocks of elements, each of which is computed by one rank.

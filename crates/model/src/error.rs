@@ -84,6 +84,10 @@ impl ModelError {
             source: source.into(),
         }
     }
+    /// Refuses what an engine does not have, such as fibres, as [`ModelError::Refused`].
+    pub fn lacking(part: impl Into<String>) -> Self {
+        Self::refused(part, "the engine computes without them")
+    }
 }
 
 /// Failure of a dynamic run. Element and node numbers are those of the mesh file; a step has the number of steps taken

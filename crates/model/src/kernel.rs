@@ -1,6 +1,8 @@
 //! Element kernels, which compute one batch of elements in lanes.
 
-use crate::{ElasticMedium, ElementKind, Lane, Strain, Stress, Vec3};
+use crate::{
+    Absent, ElementKind, HistoryKernel, HourglassKernel, Lane, ModalKernel, Strain, Stress, Vec3,
+};
 
 /// Geometry numbers of one batch of elements, computed once by a kernel and read at every step.
 ///
@@ -44,9 +46,9 @@ impl<'a, L: Lane> Geometry<'a, L> {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Hourglass<'a, L> {
-    /// [`ElementKernel::hourglass_moduli`] times the remaining share of the stiffness (Pa).
+    /// [`HourglassKernel::hourglass_moduli`] times the remaining share of the stiffness (Pa).
     pub moduli: [L; 3],
-    /// Own history of the elements, as long as [`ElementKernel::own_history`] says, or empty where it is all zero.
+    /// Own history of the elements, as long as [`HistoryKernel::own_history`] says, or empty where it is all zero.
     pub history: &'a [L],
 }
 
@@ -81,11 +83,11 @@ pub struct OwnStep<'a, L, const N: usize, const P: usize> {
     pub history: &'a [L],
     /// Modal displacements at the end of the step.
     pub modes: &'a [[L; 3]; N],
-    /// Increments of the modal displacements in the step; zero where [`ElementKernel::hourglass_moduli`] are none.
+    /// Increments of the modal displacements in the step; zero where [`HourglassKernel::hourglass_moduli`] are none.
     pub moved: &'a [[L; 3]; N],
     /// Changes of stress at the points at the end of the step (Pa).
     pub stresses: &'a [Stress<L>; P],
-    /// [`ElementKernel::hourglass_moduli`] of the undamaged medium (Pa).
+    /// [`HourglassKernel::hourglass_moduli`] of the undamaged medium (Pa).
     pub moduli: [L; 3],
     /// Increment of the deviatoric elastic strain over that of the whole deviatoric strain, mean of the points, 0 to 1;
     /// one without plastic flow.
@@ -132,7 +134,7 @@ impl<'a, L: Lane, const N: usize, const P: usize> OwnStep<'a, L, N, P> {
 ///
 /// `N` is the number of nodes, `P` the number of integration points. A kernel computes geometry numbers
 /// from corner positions once. At every step it maps nodal values to *modal* ones (a fixed linear map of
-/// its choice, in which the arithmetic is short; the identity by default), modal values to strains at the
+/// its choice, in which the arithmetic is short; the identity without [one](ElementKernel::modal)), modal values to strains at the
 /// integration points, and stresses at the points to modal forces, which the transposed map turns into
 /// nodal forces.
 ///
@@ -179,22 +181,12 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
     fn volumes<L: Lane>(&self, geometry: Geometry<L>) -> [L; P];
     /// Shares of the element's mass that are lumped at its nodes; they sum to one.
     fn node_shares(&self, corners: &[Vec3; N]) -> [f64; N];
-    /// Modal values from nodal values, `T u`.
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; N]) -> [[L; 3]; N] {
-        *nodal
-    }
-    /// Nodal forces from modal forces, `T^T F`.
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; N]) -> [[L; 3]; N] {
-        *modal
-    }
     /// Strains at the integration points from modal displacements, or strain rates from modal velocities.
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; N]) -> [Strain<L>; P];
     /// Modal internal forces (N): `sum_p B_p^T sigma_p V_p`, plus hourglass forces.
     ///
     /// Hourglass forces resist the part of the modal displacement `modes` that the integration points do not
-    /// see, in proportion to the moduli of `hourglass`: [`hourglass_moduli`](Self::hourglass_moduli) times the
+    /// see, in proportion to the moduli of `hourglass`: [`hourglass_moduli`](HourglassKernel::hourglass_moduli) times the
     /// remaining share of them.
     fn forces<L: Lane>(
         &self,
@@ -203,101 +195,19 @@ pub trait ElementKernel<const N: usize, const P: usize>: Clone + Send + Sync + '
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; N],
     ) -> [[L; 3]; N];
-    /// Modal forces (N) of a linear elastic medium with Lame's constants `[lambda, shear]` (Pa), where they are
-    /// known without strains and stresses at the points; none, the default, otherwise. A kernel has them for all elements
-    /// or for none, and only if it has no hourglass forces. They are not finite where a modal displacement is not.
+    /// Its modes, a linear map of nodal values; none, the default, if the arithmetic is that of nodal values.
     #[inline(always)]
-    fn elastic_forces<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _moduli: [L; 2],
-        _modes: &[[L; 3]; N],
-    ) -> Option<[[L; 3]; N]> {
-        None
+    fn modal(&self) -> Option<&impl ModalKernel<N, P>> {
+        None::<&Absent>
     }
-    /// Hourglass moduli (Pa), to which hourglass forces are proportional, of an undamaged medium, as many as the kernel
-    /// needs and zeros; none, the default, if the integration points see every mode.
-    fn hourglass_moduli(&self, _medium: &ElasticMedium) -> Option<[f64; 3]> {
-        None
-    }
-    /// Hourglass energy (J), stored by the hourglass forces of [`forces`](Self::forces); none, the default,
-    /// if the integration points see every mode.
+    /// Its resistance to deformation that the integration points do not see; none, the default, if they see every mode.
     #[inline(always)]
-    fn hourglass_energy<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _hourglass: &Hourglass<L>,
-        _modes: &[[L; 3]; N],
-    ) -> Option<L> {
-        None
+    fn hourglass(&self) -> Option<&impl HourglassKernel<N, P>> {
+        None::<&Absent>
     }
-    /// Whether hourglass forces are those of the material in bending: their energy then counts as
-    /// [`bending`](crate::BlockEnergy::bending), of which no share is too large. False by default: they are a resistance that
-    /// should store little.
-    fn hourglass_is_bending(&self) -> bool {
-        false
-    }
-    /// Least share of the hourglass moduli, whatever damage leaves: a mode without stiffness would grow until its
-    /// neighbours stop it. A hundredth by default.
+    /// The history variables of its elements as a whole, beside those of the law at their points; none by default.
     #[inline(always)]
-    fn least_hourglass_share(&self) -> f64 {
-        0.01
-    }
-    /// Stress (Pa) on the faces at the natural coordinates r = 1, s = 1 and t = 1 less the stress at the points, from
-    /// hourglass forces that are those of the material; on the opposite faces it has the other sign. None, the default,
-    /// where the stress is the same all over the element, or varies from point to point.
-    fn surface_stresses(
-        &self,
-        _geometry: Geometry<f64>,
-        _hourglass: &Hourglass<f64>,
-        _modes: &[[f64; 3]; N],
-    ) -> Option<[Stress; 3]> {
-        None
-    }
-    /// Number of history variables of an element as a whole, beside those of the law at its points; none by default.
-    ///
-    /// They are zero at the start, are committed with those of the law, and exist with laws that are not linear alone.
-    #[inline(always)]
-    fn own_history(&self) -> usize {
-        0
-    }
-    /// Writes the own history of the elements after a step.
-    #[inline(always)]
-    fn own_history_after<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _step: &OwnStep<L, N, P>,
-        _new: &mut [L],
-    ) {
-    }
-    /// Turns the own history that a step has left into that with which the next one begins; the same by default.
-    #[inline(always)]
-    fn own_at_start<L: Lane>(&self, _history: &mut [L]) {}
-    /// Corrects the own history towards static equilibrium within the elements, from stresses at the points, and returns
-    /// whether any lane changed; `before` keeps what iterations need, pairs of equal numbers at first. False, without a
-    /// change, by default.
-    #[inline(always)]
-    fn relax_own<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _stresses: &[Stress<L>; P],
-        _history: &mut [L],
-        _before: &mut [[L; 2]],
-    ) -> bool {
-        false
-    }
-    /// Number of the first numbers of the own history, three at most, in which the strains that they add are linear, and
-    /// which equilibrium within the element determines; none by default.
-    fn own_strains(&self) -> usize {
-        0
-    }
-    /// Adds to the strains at the points what the own history of the elements adds; nothing by default.
-    #[inline(always)]
-    fn add_own_strains<L: Lane>(
-        &self,
-        _geometry: Geometry<L>,
-        _history: &[L],
-        _strains: &mut [Strain<L>; P],
-    ) {
+    fn history(&self) -> Option<&impl HistoryKernel<N, P>> {
+        None::<&Absent>
     }
 }

@@ -22,6 +22,7 @@
 mod added_mass;
 mod assembly;
 mod block_law;
+mod block_parts;
 mod boundary;
 mod checksum;
 mod constraint;
@@ -42,6 +43,7 @@ mod field;
 mod hourglass;
 mod joint;
 mod kernel;
+mod kernel_parts;
 mod lane;
 mod law;
 mod law_input;
@@ -58,6 +60,7 @@ mod rayleigh;
 mod reach;
 mod run;
 mod saved_run;
+mod saved_state;
 mod spec;
 mod stable_step;
 mod stage;
@@ -74,11 +77,17 @@ mod tensor;
 pub use added_mass::AddedMass;
 pub use assembly::{BlockFactory, BlockOptions, BlockPart, LaneWidth, Precision, Rayleigh};
 pub use block_law::{BlockLaw, BlockLawInput};
+pub use block_parts::{
+    BlockOutput, BlockStiffness, DampedBlock, ElementForces, ProgrammedBlock, StatefulBlock,
+};
 pub use boundary::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ExtraBlock, NodalImpedance, SiteFace, SiteNode,
 };
 pub use checksum::Checksum;
-pub use constraint::{Constraint, ConstraintWork, DividedWork, NodeCoupling, PredictedMotion};
+pub use constraint::{
+    Constraint, ConstraintWork, CoupledConstraint, DividedConstraint, DividedWork, JointConstraint,
+    NodeCoupling, PredictedMotion, RestrictedConstraint,
+};
 pub use constraint_parts::ConstraintParts;
 pub use contact_law::{
     BondEnergies, ContactLaw, JointInput, JointInputs, JointResponse, JointResponses,
@@ -96,7 +105,10 @@ pub use engine::{
     StepView, TimeIntegrator,
 };
 pub use engine_error::{ElementExtent, EngineError};
-pub use engine_model::{Engine, EngineModel};
+pub use engine_model::{
+    DistributedModel, Engine, EngineModel, FibreModel, ModelFrequencies, ModelOutput,
+    StatefulModel, StaticModel,
+};
 pub use error::{ModelError, ParameterError, RunError};
 pub use extents::Extents;
 pub use fibre::Fibre;
@@ -106,6 +118,7 @@ pub use joint::{
     Bond, ContactState, JointHistory, JointPair, JointRecord, JointState, JointView, Renewal,
 };
 pub use kernel::{ElementKernel, Geometry, Hourglass, OwnStep};
+pub use kernel_parts::{Absent, HistoryKernel, HourglassKernel, KernelArithmetic, ModalKernel};
 pub use lane::{Lane, Repeated, Scalar, array, each};
 pub use law::{
     ConstitutiveLaw, HistoryKind, HistoryVariable, LawEnergy, RemainingStiffness, point_energy,
@@ -136,6 +149,7 @@ pub use run::{
 pub use saved_run::{CheckpointSink, SavedRun, SavedSection};
 #[cfg(feature = "serde")]
 pub use saved_run::{decode, encode, interned};
+pub use saved_state::SavedState;
 pub use spec::{ElementChoice, ModelSpec};
 pub use stable_step::StableStep;
 pub use stage::{Stage, StageError, StageEvent, StageModel, StageReport};

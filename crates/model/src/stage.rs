@@ -120,8 +120,10 @@ impl<'a> Stage<'a> {
             stage: self.name.clone(),
             source,
         })?;
-        for (joint, renewal) in &self.renewed {
-            model.renew_joint(joint, *renewal);
+        if let Some(stateful) = model.stateful() {
+            for (joint, renewal) in &self.renewed {
+                stateful.renew_joint(joint, *renewal);
+            }
         }
         Ok(model)
     }
@@ -217,13 +219,22 @@ pub(crate) fn run_stages<E: Engine + ?Sized>(
                 progress,
             });
         };
-        let solution = model
-            .equilibrate(&stage.options, &mut progress)
-            .map_err(|source| StageError::NotEquilibrated {
-                stage: stage.name.clone(),
-                source,
-            })?;
-        state = model.state();
+        let solution = match model.statics() {
+            Some(statics) => statics.equilibrate(&stage.options, &mut progress),
+            None => Err(StaticError::NoMethod {
+                engine: engine.name().into(),
+                method: stage.options.method.name(),
+            }),
+        };
+        let solution = solution.map_err(|source| StageError::NotEquilibrated {
+            stage: stage.name.clone(),
+            source,
+        })?;
+        let stateful = model.stateful().ok_or_else(|| StageError::Model {
+            stage: stage.name.clone(),
+            source: ModelError::lacking("states"),
+        })?;
+        state = stateful.state();
         let moved = state.displacement.iter().zip(&before);
         let moved = moved.take(nodes).map(|(now, before)| (now - before).norm());
         let farthest = moved.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -234,7 +245,9 @@ pub(crate) fn run_stages<E: Engine + ?Sized>(
             cast: stage.cast.len(),
             solution,
             largest_displacement: (size, mesh.node_tags().get(node).copied().unwrap_or(0)),
-            hourglass: model.hourglass_shares(),
+            hourglass: model
+                .output()
+                .map_or_else(Vec::new, |output| output.hourglass_shares()),
         };
         watch(StageEvent::Equilibrated {
             model: &*model,

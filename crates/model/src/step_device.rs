@@ -56,7 +56,7 @@ impl DeviceError {
 
 /// Block of elements of a [`DeviceModel`].
 pub struct DeviceBlock<'a> {
-    /// The block, of which a device reads the [program](ElementBlock::program) and its inputs.
+    /// The block, of which a device reads the [program](crate::ProgrammedBlock::program) and its inputs.
     pub block: &'a dyn ElementBlock,
     /// Slots of the block's nodes, in their order.
     pub slots: Range<usize>,

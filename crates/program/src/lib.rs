@@ -5,7 +5,7 @@
 //! included, runs in SIMD lanes, in one lane, and on a graphics processor.
 //!
 //! [`record`] makes the program of any function of lanes, [`law_program`] that of a law; blocks of elements make theirs
-//! ([`ElementBlock::program`](powerhouse_model::ElementBlock::program)). [`Replay`] executes a program and is the
+//! ([`ProgrammedBlock::program`](powerhouse_model::ProgrammedBlock::program)). [`Replay`] executes a program and is the
 //! reference of its translations, [`cuda`] and [`wgsl`].
 //!
 //! # Why so

@@ -25,6 +25,7 @@ use powerhouse_model::{
 };
 
 use crate::body::Piece;
+use crate::fibres::fibres_of;
 use crate::input_spectrum::InputSpectrum;
 use crate::stage::WaterAtRest;
 use crate::{Error, Scene};
@@ -105,18 +106,19 @@ pub(crate) struct ClampedMode {
 }
 
 impl ClampedMode {
-    /// What fibres cost in a model of the mesh, with an input.
+    /// What fibres cost in a model of the mesh, with an input; none of a model that shows no masses.
     pub(crate) fn shift(
         &self,
         fibres: &[Fibre],
         model: &dyn EngineModel,
         input: Option<&InputSpectrum>,
-    ) -> FibreShift {
+    ) -> Option<FibreShift> {
+        let output = model.output()?;
         let positions = model.mesh().positions();
         // Added inertia in the mode over its mass; added inertia times the square of the radius of gyration, and mass.
         let (mut in_mode, mut across, mut whole) = (0.0, 0.0, 0.0);
         for fibre in fibres {
-            let masses: Vec<f64> = fibre.nodes.iter().map(|&node| model.mass(node)).collect();
+            let masses: Vec<f64> = fibre.nodes.iter().map(|&node| output.mass(node)).collect();
             let apart = |values: &[Vec3]| {
                 let own = fibre.nodes.iter().map(|&node| values[node as usize]);
                 let mass: f64 = masses.iter().sum();
@@ -137,7 +139,7 @@ impl ClampedMode {
             });
             0.5 * (of_structure + of_ground)
         };
-        FibreShift {
+        Some(FibreShift {
             natural,
             of_natural: 1.0 - 1.0 / (1.0 + in_mode).sqrt(),
             of_input: input.map(|input| {
@@ -149,7 +151,7 @@ impl ClampedMode {
                     of_forces,
                 }
             }),
-        }
+        })
     }
 }
 
@@ -191,7 +193,8 @@ impl Clamped {
         let loads = shape.iter().zip(&self.masses).map(|(u, mass)| u * *mass);
         *self.forces.lock().unwrap_or_else(PoisonError::into_inner) = loads.collect();
         let options = StaticOptions::default().with_tolerance(TOLERANCE);
-        self.model.equilibrate(&options, &mut |_| {}).ok()?;
+        let statics = self.model.statics()?;
+        statics.equilibrate(&options, &mut |_| {}).ok()?;
         let nodes = self.nodes.iter();
         Some(nodes.map(|&node| self.model.displacement(node)).collect())
     }
@@ -356,13 +359,16 @@ impl Scene {
         if let Some(threads) = self.threads_taken() {
             spec = spec.threads(threads);
         }
-        let model = self.engine.build(spec)?;
-        if model.element_frequencies().is_none() {
+        let mut model = self.engine.build(spec)?;
+        if fibres_of(model.as_mut()).is_none() {
             // Of an engine without fibres, as on several ranks, each of which knows its own nodes.
             return Ok(None);
         }
+        let Some(output) = model.output() else {
+            return Ok(None);
+        };
         Ok(Some(Clamped {
-            masses: nodes.iter().map(|&node| model.mass(node)).collect(),
+            masses: nodes.iter().map(|&node| output.mass(node)).collect(),
             model,
             nodes,
             forces,

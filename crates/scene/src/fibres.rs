@@ -16,7 +16,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use powerhouse_model::{
-    DisjointSets, ElementKind, EngineModel, Fibre, FrequencyBound, Mesh, ModelError, TimeIntegrator,
+    DisjointSets, ElementKind, EngineModel, Fibre, FibreModel, FrequencyBound, Mesh, ModelError,
+    TimeIntegrator,
 };
 
 use crate::body::Piece;
@@ -255,6 +256,22 @@ fn length(mesh: &Mesh, element: u32, edge: &[u8; 2]) -> f64 {
     (second - first).norm()
 }
 
+/// The fibres of a model; none if it cannot have fibres.
+pub(crate) fn fibres_of(model: &mut dyn EngineModel) -> Option<&mut dyn FibreModel> {
+    model
+        .frequencies()
+        .and_then(|frequencies| frequencies.fibres())
+}
+
+/// Sets the fibres of a model, which must be none if it cannot have fibres.
+pub(crate) fn set_fibres(model: &mut dyn EngineModel, fibres: &[Fibre]) -> Result<(), ModelError> {
+    match (fibres_of(model), fibres) {
+        (Some(own), _) => own.set_fibres(fibres),
+        (None, []) => Ok(()),
+        (None, _) => Err(ModelError::lacking("fibres")),
+    }
+}
+
 impl FibreSite {
     /// Chooses fibres for a model, sets them and computes its stable step with an integration scheme.
     ///
@@ -267,14 +284,15 @@ impl FibreSite {
         integrator: &dyn TimeIntegrator,
     ) -> Result<FibreChoice, Error> {
         options.check(&self.mesh)?;
-        model.set_fibres(&[])?;
-        let bounds = model.element_frequencies().ok_or_else(|| {
+        let fibres = fibres_of(model).ok_or_else(|| {
             let reason = "the engine, ranks or a device compute without them";
             ModelError::refused("fibres", reason)
         })?;
+        fibres.set_fibres(&[])?;
+        let bounds = fibres.element_frequencies();
         let without = model.stable_step(integrator)?;
         let found = self.find(options, &bounds, without.assembled_limit);
-        model.set_fibres(&found.fibres)?;
+        set_fibres(model, &found.fibres)?;
         let step = model.stable_step(integrator)?.step;
         let mut sizes = BTreeMap::new();
         for fibre in &found.fibres {
@@ -291,7 +309,7 @@ impl FibreSite {
         let joints = joints.map(|(name, _)| name.clone()).collect();
         let (mode, input) = (self.mode.as_ref(), self.input.as_ref());
         Ok(FibreChoice {
-            shift: mode.map(|mode| mode.shift(&found.fibres, model, input)),
+            shift: mode.and_then(|mode| mode.shift(&found.fibres, model, input)),
             factor: options.factor,
             sets: sets.collect(),
             joints,

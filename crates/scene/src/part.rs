@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use powerhouse_elements::{AnyLaw, SolidKernel, solid};
 use powerhouse_laws::{Damping, Material};
-use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind};
+use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind, KernelArithmetic};
 
 use crate::Error;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use powerhouse_boundary::DomainReduction;
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, Facet, IncidentField, Mat3,
-    ModelSpec, NodalImpedance, State, Vec3,
+    ModelError, ModelSpec, NodalImpedance, State, Vec3,
 };
 
 use crate::engine::Leapfrog;
@@ -141,7 +141,9 @@ impl Scene {
         if timeline.is_none() && self.start != 0.0 {
             let mut state = State::at_rest(self.mesh.node_count());
             state.time = self.start;
-            model.set_state(&state)?;
+            let stateful = model.stateful();
+            let stateful = stateful.ok_or_else(|| ModelError::lacking("states"))?;
+            stateful.set_state(&state)?;
         }
         let initial = match (self.initial, &self.field) {
             (InitialMotion::Rest, _) => None,

@@ -47,7 +47,13 @@ impl Simulation {
             refused: Vec::new(),
         };
         let mut names: Vec<String> = Vec::new();
-        for program in self.model().programs(step, FORKS) {
+        let programs = match self.model().distributed() {
+            Some(distributed) => distributed.programs(step, FORKS),
+            None => vec![Err(ProgramError::None {
+                name: "engine".into(),
+            })],
+        };
+        for program in programs {
             match program {
                 Ok(program) => {
                     // A set may have elements of several kernels.

@@ -13,6 +13,7 @@ use powerhouse_model::{
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
 use crate::fibres::FibreSite;
+use crate::fibres::set_fibres;
 use crate::in_use::{InUse, check_in_use};
 use crate::output::{self, FinishedRun, OutputPlan, Recordings, Results};
 use crate::places::placed;
@@ -283,7 +284,7 @@ impl Simulation {
             .fibre_site
             .choose(options, self.model.as_mut(), self.integrator.as_ref());
         let own = self.fibres.as_ref().map_or(&[][..], |own| &own.fibres);
-        self.model.set_fibres(own)?;
+        set_fibres(self.model.as_mut(), own)?;
         chosen
     }
     /// The time step of the run (s). Requested sampling intervals shorter than it, or longer than the run, become
@@ -295,7 +296,10 @@ impl Simulation {
         let step = match self.step {
             TimeStep::OfStable(share) => share * self.stable_step()?.step,
             TimeStep::Seconds(step) => {
-                let limits = self.model.frequency_limits();
+                let frequencies = self.model.frequencies();
+                let frequencies = frequencies
+                    .ok_or_else(|| ModelError::lacking("checks of a given time step"))?;
+                let limits = frequencies.frequency_limits();
                 let checked = self.integrator.check(&limits, step);
                 checked.map_err(|error| self.placed(error.into()))?;
                 step
@@ -437,7 +441,7 @@ impl Simulation {
             let (model, stages) = moving.map_err(|error| self.placed(error))?;
             self.model = model;
             if let Some(choice) = &self.fibres {
-                self.model.set_fibres(&choice.fibres)?;
+                set_fibres(self.model.as_mut(), &choice.fibres)?;
             }
             rested = Some(stages);
         }

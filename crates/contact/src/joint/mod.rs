@@ -15,9 +15,10 @@ use core::ops::Range;
 use std::collections::{HashMap, HashSet};
 
 use powerhouse_model::{
-    Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, DividedWork,
-    JointHistory, JointPair, JointRecord, JointState, JointView, Mat3, ModelError, NodeCoupling,
-    PredictedMotion, Renewal, RunError, StateError, Vec3,
+    Bond, Constraint, ConstraintParts, ConstraintWork, ContactLaw, ContactState, CoupledConstraint,
+    DividedConstraint, DividedWork, JointConstraint, JointHistory, JointPair, JointRecord,
+    JointState, JointView, Mat3, ModelError, NodeCoupling, PredictedMotion, Renewal,
+    RestrictedConstraint, RunError, SavedState, StateError, Vec3,
 };
 
 use crate::ContactError;
@@ -359,39 +360,6 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         &self.nodes
     }
 
-    fn parts(&self) -> ConstraintParts {
-        let coupled = self.couplings.iter().map(|coupling| coupling.nodes);
-        let coupled: Vec<[u32; 2]> = coupled
-            .map(|nodes| nodes.map(|node| self.nodes[node as usize]))
-            .collect();
-        let pairs = self.pairs.iter().map(|pair| &pair.nodes);
-        ConstraintParts::merged(pairs.chain(&coupled).map(|nodes| &nodes[..]))
-    }
-
-    fn couple(&mut self, couplings: &[NodeCoupling]) -> bool {
-        let nodes = |all: &[NodeCoupling]| -> Vec<[u32; 2]> {
-            all.iter().map(|coupling| coupling.nodes).collect()
-        };
-        let is_connected = nodes(couplings) == nodes(&self.couplings);
-        self.couplings = couplings.to_vec();
-        if !is_connected {
-            let pairs: Vec<[u32; 2]> = self.pairs.iter().map(|pair| pair.nodes).collect();
-            self.connected = connected_pairs(&pairs, &self.parts());
-        }
-        self.prepared = None;
-        true
-    }
-
-    fn keep_parts(&mut self, kept: &[bool]) -> bool {
-        let parts = self.parts();
-        let nodes: HashSet<u32> = (parts.iter().zip(kept))
-            .filter(|(_, kept)| **kept)
-            .flat_map(|(nodes, _)| nodes.iter().copied())
-            .collect();
-        self.retain(|pair| nodes.contains(&pair.nodes[0]));
-        true
-    }
-
     fn prepare(&mut self, step: f64, inverse_mass: &[Mat3]) {
         self.prepared = Some(step);
         // Pairs that are not corrected from now on do no work.
@@ -491,13 +459,30 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         Ok(work)
     }
 
-    fn divided_work(&self) -> Option<DividedWork<'_>> {
-        Some(DividedWork {
-            nodes: &self.first_nodes,
-            work: &self.work,
-        })
+    fn jointed(&self) -> Option<&dyn JointConstraint> {
+        Some(self)
     }
+    fn jointed_mut(&mut self) -> Option<&mut dyn JointConstraint> {
+        Some(self)
+    }
+    fn divided(&self) -> Option<&dyn DividedConstraint> {
+        Some(self)
+    }
+    fn restricted(&mut self) -> Option<&mut dyn RestrictedConstraint> {
+        Some(self)
+    }
+    fn coupled(&mut self) -> Option<&mut dyn CoupledConstraint> {
+        Some(self)
+    }
+    fn saved(&self) -> Option<&dyn SavedState> {
+        Some(self)
+    }
+    fn saved_mut(&mut self) -> Option<&mut dyn SavedState> {
+        Some(self)
+    }
+}
 
+impl<L: ContactLaw> JointConstraint for Joint<L> {
     fn add_joint_forces(&self, out: &mut [Vec3]) {
         let pairs = self.pairs.iter().zip(&self.records).zip(&self.sides);
         for (((pair, record), side), nodes) in pairs.zip(&self.pair_nodes) {
@@ -568,18 +553,6 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         self.start = None;
     }
 
-    fn save_state(&self) -> Result<Option<Vec<u8>>, StateError> {
-        self.saved().map(Some)
-    }
-
-    fn restore_parts(&mut self, saved: &[u8]) -> Result<(), StateError> {
-        self.put_parts(saved)
-    }
-
-    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
-        self.put_saved(saved)
-    }
-
     fn renew(&mut self, joint: &str, renewal: Renewal, displacement: &[Vec3]) -> bool {
         let Some(member) = self.members.iter().find(|member| member.name == joint) else {
             return false;
@@ -603,6 +576,64 @@ impl<L: ContactLaw> Constraint for Joint<L> {
         }
         self.prepared = None;
         true
+    }
+}
+
+impl<L: ContactLaw> DividedConstraint for Joint<L> {
+    fn parts(&self) -> ConstraintParts {
+        let coupled = self.couplings.iter().map(|coupling| coupling.nodes);
+        let coupled: Vec<[u32; 2]> = coupled
+            .map(|nodes| nodes.map(|node| self.nodes[node as usize]))
+            .collect();
+        let pairs = self.pairs.iter().map(|pair| &pair.nodes);
+        ConstraintParts::merged(pairs.chain(&coupled).map(|nodes| &nodes[..]))
+    }
+
+    fn divided_work(&self) -> Option<DividedWork<'_>> {
+        Some(DividedWork {
+            nodes: &self.first_nodes,
+            work: &self.work,
+        })
+    }
+}
+
+impl<L: ContactLaw> RestrictedConstraint for Joint<L> {
+    fn keep_parts(&mut self, kept: &[bool]) {
+        let parts = self.parts();
+        let nodes: HashSet<u32> = (parts.iter().zip(kept))
+            .filter(|(_, kept)| **kept)
+            .flat_map(|(nodes, _)| nodes.iter().copied())
+            .collect();
+        self.retain(|pair| nodes.contains(&pair.nodes[0]));
+    }
+
+    fn restore_parts(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.put_parts(saved)
+    }
+}
+
+impl<L: ContactLaw> CoupledConstraint for Joint<L> {
+    fn couple(&mut self, couplings: &[NodeCoupling]) {
+        let nodes = |all: &[NodeCoupling]| -> Vec<[u32; 2]> {
+            all.iter().map(|coupling| coupling.nodes).collect()
+        };
+        let is_connected = nodes(couplings) == nodes(&self.couplings);
+        self.couplings = couplings.to_vec();
+        if !is_connected {
+            let pairs: Vec<[u32; 2]> = self.pairs.iter().map(|pair| pair.nodes).collect();
+            self.connected = connected_pairs(&pairs, &self.parts());
+        }
+        self.prepared = None;
+    }
+}
+
+impl<L: ContactLaw> SavedState for Joint<L> {
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        self.encoded()
+    }
+
+    fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
+        self.put_saved(saved)
     }
 }
 

@@ -30,7 +30,7 @@ impl<L> Joint<L> {
     }
 
     /// State between two steps.
-    pub(super) fn saved(&self) -> Result<Vec<u8>, StateError> {
+    pub(super) fn encoded(&self) -> Result<Vec<u8>, StateError> {
         encode(&SavedJoint {
             names: self.names(),
             nodes: self.pairs.iter().map(|pair| pair.nodes).collect(),
@@ -99,7 +99,9 @@ impl<L> Joint<L> {
 
 #[cfg(test)]
 mod tests {
-    use powerhouse_model::{Constraint, JointPair, Mat3, PredictedMotion, StepTime, Vec3};
+    use powerhouse_model::{
+        Constraint, JointConstraint, JointPair, Mat3, PredictedMotion, SavedState, StepTime, Vec3,
+    };
 
     use super::*;
     use crate::BondedCoulomb;
@@ -144,7 +146,7 @@ mod tests {
         for number in 0..3 {
             step(&mut whole, number);
         }
-        let saved = whole.save_state().unwrap().unwrap();
+        let saved = whole.save_state().unwrap();
         let mut restored = joint("a");
         restored.restore_state(&saved).unwrap();
         for number in 3..6 {

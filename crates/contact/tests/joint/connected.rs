@@ -2,8 +2,8 @@
 
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint, Tied};
 use powerhouse_model::{
-    Bond, Constraint, ContactLaw, ContactState, JointHistory, JointInput, JointPair, JointRecord,
-    JointResponse, JointState, RunError, Vec3,
+    Bond, ContactLaw, ContactState, JointConstraint, JointHistory, JointInput, JointPair,
+    JointRecord, JointResponse, JointState, RunError, Vec3,
 };
 
 use super::{Bodies, Noise, oblique};

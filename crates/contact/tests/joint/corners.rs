@@ -2,8 +2,8 @@
 
 use powerhouse_contact::{BondedCoulomb, Cohesive, CohesiveParameters, Joint, StrengthReduction};
 use powerhouse_model::{
-    Bond, Constraint, ContactState, JointHistory, JointPair, JointRecord, JointState, Mat3,
-    PredictedMotion, StepTime, Vec3,
+    Bond, Constraint, ContactState, JointConstraint, JointHistory, JointPair, JointRecord,
+    JointState, Mat3, PredictedMotion, StepTime, Vec3,
 };
 
 use super::{Bodies, Noise};

@@ -2,8 +2,8 @@
 
 use powerhouse_contact::{BondedCoulomb, Joint};
 use powerhouse_model::{
-    Constraint, ContactLaw, ContactState, HistoryVariable, JointHistory, JointInput, JointPair,
-    JointResponse, JointState, Renewal, Vec3,
+    ContactLaw, ContactState, HistoryVariable, JointConstraint, JointHistory, JointInput,
+    JointPair, JointResponse, JointState, Renewal, Vec3,
 };
 
 use super::{Bodies, Noise, oblique};

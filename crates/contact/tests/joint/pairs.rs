@@ -3,7 +3,7 @@
 use powerhouse_contact::{
     BondedCoulomb, BondedCoulombParameters, Frictionless, Joint, Paper, PaperParameters, Tied,
 };
-use powerhouse_model::{Bond, Constraint, ContactLaw, ContactState, JointPair, Mat3, Vec3};
+use powerhouse_model::{Bond, ContactLaw, ContactState, JointConstraint, JointPair, Mat3, Vec3};
 
 use super::{Bodies, Noise, oblique};
 

@@ -2,7 +2,8 @@
 
 use powerhouse_contact::{BondedCoulomb, BondedCoulombParameters, Joint};
 use powerhouse_model::{
-    Constraint, ConstraintParts, ContactLaw, ContactState, JointPair, JointRecord, Vec3,
+    Constraint, ConstraintParts, ContactLaw, ContactState, DividedConstraint, JointPair,
+    JointRecord, Vec3,
 };
 
 use super::history::counting;

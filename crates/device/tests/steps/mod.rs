@@ -257,8 +257,16 @@ fn go(
     let count = model.mesh().node_count() as u32;
     let motion = (0..count).flat_map(|n| [model.displacement(n), model.velocity(n)]);
     let motion: Vec<f64> = motion.flat_map(|v| [v.x, v.y, v.z]).collect();
-    let stress: Vec<f64> = model.stress_changes().iter().flat_map(|s| s.0).collect();
+    let stress: Vec<f64> = model
+        .output()
+        .unwrap()
+        .stress_changes()
+        .iter()
+        .flat_map(|s| s.0)
+        .collect();
     let history: Vec<f64> = model
+        .stateful()
+        .unwrap()
         .state()
         .history
         .into_iter()
@@ -367,7 +375,7 @@ fn thin_elements_have_a_kernel_of_their_own() {
     };
     let kernels = |precision| {
         let model = case(precision).build(&Explicit, &mesh).unwrap();
-        model.programs(1e-5, 0).len()
+        model.distributed().unwrap().programs(1e-5, 0).len()
     };
     assert_eq!((kernels(Precision::F64), kernels(Precision::Mixed)), (1, 2));
     let host = run(&Explicit, Precision::Mixed).unwrap();

@@ -1,6 +1,8 @@
 //! Internal forces of single elements, for section forces.
 
-use powerhouse_model::{ElementKernel, Geometry, Hourglass, NodalView, Strain, Stress, Vec3};
+use powerhouse_model::{
+    ElementKernel, Geometry, Hourglass, KernelArithmetic, NodalView, Strain, Stress, Vec3,
+};
 
 use super::Block;
 use super::transfer::NodeScalar;

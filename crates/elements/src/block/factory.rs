@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use powerhouse_model::{
     BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementExtent, ElementKernel, ElementKind,
-    EngineError, Extents, Geometry, ModelError, PointLaw, Precision, Vec3,
+    EngineError, Extents, Geometry, KernelArithmetic, ModelError, PointLaw, Precision, Vec3,
 };
 
 use super::Block;

@@ -1,6 +1,6 @@
 //! Forces, summaries and energy bookkeeping of a batch with its stresses.
 
-use powerhouse_model::{ElementKernel, Geometry, Hourglass, Stress};
+use powerhouse_model::{ElementKernel, Geometry, Hourglass, KernelArithmetic, Stress};
 
 use super::law::HistoryAccess;
 use super::memory::as_lanes;

@@ -1,6 +1,6 @@
 //! Highest natural frequency of single elements.
 
-use powerhouse_model::{ElementKernel, Geometry, Hourglass, Lane, Stress, Vec3};
+use powerhouse_model::{ElementKernel, Geometry, Hourglass, KernelArithmetic, Lane, Stress, Vec3};
 
 use super::operations::Moduli;
 use crate::lanes::{BatchLane, BatchOperation, MOST_LANES};

@@ -1,7 +1,8 @@
 //! Stiffness operators as matrices: nodal diagonals, and secant and tangent stiffness in the present state.
 
 use powerhouse_model::{
-    ElementKernel, Extents, Geometry, Hourglass, LawInput, Mat3, Operator, Strain, Stress, Vec3,
+    ElementKernel, Extents, Geometry, Hourglass, KernelArithmetic, LawInput, Mat3, Operator,
+    Strain, Stress, Vec3,
 };
 
 use super::Block;

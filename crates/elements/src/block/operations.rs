@@ -1,8 +1,8 @@
 //! Force evaluation of all batches of a block: elastic, and with a law.
 
 use powerhouse_model::{
-    ElasticDomain, ElementKernel, Geometry, Hourglass, LawEnergy, NodalView, NodalViewMut, Quad,
-    RemainingStiffness, Strain, Stress,
+    ElasticDomain, ElementKernel, Geometry, Hourglass, KernelArithmetic, LawEnergy, NodalView,
+    NodalViewMut, Quad, RemainingStiffness, Strain, Stress,
 };
 
 use super::account::{PreviousStep, StepSums};

@@ -1,7 +1,7 @@
 //! History of elements as a whole: what a kernel keeps beside the history variables of its law.
 
 use powerhouse_model::{
-    ElementKernel, Geometry, Lane, OwnStep, RemainingStiffness, Strain, Stress,
+    ElementKernel, Geometry, KernelArithmetic, Lane, OwnStep, RemainingStiffness, Strain, Stress,
 };
 
 use super::batches::Batch;

@@ -4,8 +4,8 @@
 //! operation, so that its results have their bits.
 
 use powerhouse_model::{
-    ElementKernel, Extents, Geometry, Hourglass, Lane, LawInput, NodalView, OwnStep, Program,
-    ProgramError, RemainingStiffness, Stress, Vec3,
+    ElementKernel, Extents, Geometry, Hourglass, KernelArithmetic, Lane, LawInput, NodalView,
+    OwnStep, Program, ProgramError, RemainingStiffness, Stress, Vec3,
 };
 use powerhouse_program::{Names, Traced, check_law, component_names, record};
 

@@ -1,7 +1,7 @@
 //! Stiffness damping and hourglass stiffness that remain after damage and plastic flow.
 
 use powerhouse_model::{
-    ElementKernel, Geometry, Hourglass, Lane, RemainingStiffness, Strain, Stress,
+    ElementKernel, Geometry, Hourglass, KernelArithmetic, Lane, RemainingStiffness, Strain, Stress,
 };
 
 use crate::lanes::BatchLane;

@@ -134,7 +134,7 @@ where
     }
 
     /// State between two steps.
-    pub(super) fn saved(&self) -> Result<Vec<u8>, StateError> {
+    pub(super) fn encoded(&self) -> Result<Vec<u8>, StateError> {
         let width = self.arrangement.width;
         let balanced = self.account.balanced();
         let flags: Vec<u8> = (0..self.elements.len())

@@ -2,7 +2,8 @@
 //! constant ones of the last drained state.
 
 use powerhouse_model::{
-    BlockContext, ElementKernel, Geometry, HistoryUpdate, NodalViewMut, Quad, Vec3,
+    BlockContext, ElementKernel, Geometry, HistoryUpdate, KernelArithmetic, NodalViewMut, Quad,
+    Vec3,
 };
 
 use super::batches::Batches;

@@ -4,8 +4,9 @@ use core::ops::Range;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    AXIAL_FORCE, BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound,
-    HistoryField, Mat3, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    AXIAL_FORCE, BlockContext, BlockEnergy, BlockOutput, BlockStiffness, ElementBlock,
+    ElementFault, FrequencyBound, HistoryField, Mat3, NodalView, NodalViewMut, Operator, Quad,
+    StatefulBlock, Stress, Vec3,
 };
 
 use super::bar::Bar;
@@ -264,9 +265,6 @@ impl ElementBlock for BoltBlock {
     fn nodes(&self) -> &[u32] {
         &self.nodes
     }
-    fn reads_velocity(&self, _damping_shift: f64, _ledger: bool) -> bool {
-        false
-    }
     fn forces(&mut self, context: &BlockContext, out: NodalViewMut) -> Result<(), ElementFault> {
         // Wider instructions where the processor has them; they change no bit.
         pulp::Arch::new().dispatch(Pass {
@@ -275,17 +273,25 @@ impl ElementBlock for BoltBlock {
             out,
         })
     }
-    fn commit(&mut self) {
-        match &mut self.bars {
-            Bars::Tied(bars) => bars.commit(),
-            Bars::Grouted(bars) => {
-                for bar in bars.iter_mut().filter(|bar| bar.pending) {
-                    core::mem::swap(&mut bar.committed, &mut bar.trial);
-                    bar.pending = false;
-                }
-            }
-        }
+    fn add_mass(&self, _out: &mut [f64]) {}
+    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
+        Vec::new()
     }
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        Some(self)
+    }
+    fn output(&self) -> Option<&dyn BlockOutput> {
+        Some(self)
+    }
+    fn stateful(&self) -> Option<&dyn StatefulBlock> {
+        Some(self)
+    }
+    fn stateful_mut(&mut self) -> Option<&mut dyn StatefulBlock> {
+        Some(self)
+    }
+}
+
+impl BlockStiffness for BoltBlock {
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
         let mut workspace = Workspace::default();
         let Workspace {
@@ -351,28 +357,9 @@ impl ElementBlock for BoltBlock {
             show(&indices, &matrix);
         }
     }
-    fn add_mass(&self, _out: &mut [f64]) {}
-    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
-        Vec::new()
-    }
-    fn stiffness_damping(&self) -> f64 {
-        0.0
-    }
-    fn mass_damping(&self) -> f64 {
-        0.0
-    }
-    fn set_active(&mut self, _active: &[bool]) {}
-    fn set_reference_displacement(&mut self, displacement: NodalView) {
-        let mut line = Vec::new();
-        let value = |index: u32| displacement.vector(index as usize);
-        self.interpolation.read(value, &mut line);
-        for (segment, reference) in self.reference.iter_mut().enumerate() {
-            *reference = self.interpolation.ends(segment, &line);
-        }
-        self.install();
-    }
-    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-    fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
+}
+
+impl BlockOutput for BoltBlock {
     fn energy(&self, _context: &BlockContext) -> BlockEnergy {
         let mut energy = BlockEnergy::default();
         match &self.bars {
@@ -390,6 +377,20 @@ impl ElementBlock for BoltBlock {
             }
         }
         energy
+    }
+}
+
+impl StatefulBlock for BoltBlock {
+    fn commit(&mut self) {
+        match &mut self.bars {
+            Bars::Tied(bars) => bars.commit(),
+            Bars::Grouted(bars) => {
+                for bar in bars.iter_mut().filter(|bar| bar.pending) {
+                    core::mem::swap(&mut bar.committed, &mut bar.trial);
+                    bar.pending = false;
+                }
+            }
+        }
     }
     fn history(&self) -> Vec<HistoryField> {
         let count = self.numbers.len();
@@ -458,6 +459,17 @@ impl ElementBlock for BoltBlock {
             }
         }
     }
+    fn set_active(&mut self, _active: &[bool]) {}
+    fn set_reference_displacement(&mut self, displacement: NodalView) {
+        let mut line = Vec::new();
+        let value = |index: u32| displacement.vector(index as usize);
+        self.interpolation.read(value, &mut line);
+        for (segment, reference) in self.reference.iter_mut().enumerate() {
+            *reference = self.interpolation.ends(segment, &line);
+        }
+        self.install();
+    }
+    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
 }
 
 /// Two values of each segment.

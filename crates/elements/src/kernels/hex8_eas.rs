@@ -1,8 +1,8 @@
 //! Eight-node brick with eight integration points and the bending strains of its material.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, OwnStep, Scalar, Strain,
-    Stress, Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, HistoryKernel, Hourglass, Lane,
+    ModalKernel, OwnStep, Scalar, Strain, Stress, Vec3,
 };
 
 use super::hexahedron::{self, GAUSS};
@@ -249,14 +249,6 @@ impl ElementKernel<8, 8> for Hex8Eas {
         hexahedron::node_shares(corners)
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 8] {
         let shape = Shape::new(&geometry);
         let gradient = shape.mean_gradient(modes);
@@ -341,6 +333,28 @@ impl ElementKernel<8, 8> for Hex8Eas {
         }
         Shape::new(&geometry).forces(&geometry, &Stress(mean), &resisted)
     }
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<8, 8>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn history(&self) -> Option<&impl HistoryKernel<8, 8>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<8, 8> for Hex8Eas {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::nodal_forces(modal)
+    }
+}
+
+impl HistoryKernel<8, 8> for Hex8Eas {
     #[inline(always)]
     fn own_history(&self) -> usize {
         Self::HISTORY

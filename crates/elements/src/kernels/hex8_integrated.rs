@@ -1,7 +1,7 @@
 //! Eight-node bricks with 2 x 2 x 2 integration points, without and with mean dilatation.
 
 use powerhouse_model::{
-    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, ModalKernel, Strain, Stress, Vec3,
 };
 
 use super::hexahedron::{self, GAUSS, MODE_NUMBERS};
@@ -160,14 +160,6 @@ macro_rules! integrated_hexahedron {
                 hexahedron::node_shares(corners)
             }
             #[inline(always)]
-            fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-                hexahedron::modes(nodal)
-            }
-            #[inline(always)]
-            fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-                hexahedron::nodal_forces(modal)
-            }
-            #[inline(always)]
             fn strains<L: Lane>(
                 &self,
                 geometry: Geometry<L>,
@@ -184,6 +176,21 @@ macro_rules! integrated_hexahedron {
                 _modes: &[[L; 3]; 8],
             ) -> [[L; 3]; 8] {
                 $forces(&geometry, stresses)
+            }
+            #[inline(always)]
+            fn modal(&self) -> Option<&impl ModalKernel<8, 8>> {
+                Some(self)
+            }
+        }
+
+        impl ModalKernel<8, 8> for $kernel {
+            #[inline(always)]
+            fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+                hexahedron::modes(nodal)
+            }
+            #[inline(always)]
+            fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+                hexahedron::nodal_forces(modal)
             }
         }
     };

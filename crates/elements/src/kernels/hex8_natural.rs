@@ -1,8 +1,8 @@
 //! Eight-node brick with one integration point that bends as its material does.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, OwnStep, Strain, Stress,
-    Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, HistoryKernel, Hourglass, HourglassKernel,
+    Lane, ModalKernel, OwnStep, Strain, Stress, Vec3,
 };
 
 use super::hexahedron;
@@ -69,14 +69,6 @@ impl ElementKernel<8, 1> for Hex8Natural {
         hexahedron::node_shares(corners)
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 1] {
         [strain_of(&Shape::new(&geometry).mean_gradient(modes))]
     }
@@ -95,8 +87,34 @@ impl ElementKernel<8, 1> for Hex8Natural {
         let resisted = NaturalFrame::new(linear(&geometry)).forces(&hourglass.moduli, &strains);
         shape.forces(&geometry, &stresses[0], &resisted)
     }
-    fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
-        Some(natural_frame::moduli(medium))
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn history(&self) -> Option<&impl HistoryKernel<8, 1>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<8, 1> for Hex8Natural {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::nodal_forces(modal)
+    }
+}
+
+impl HourglassKernel<8, 1> for Hex8Natural {
+    fn hourglass_moduli(&self, medium: &ElasticMedium) -> [f64; 3] {
+        natural_frame::moduli(medium)
     }
     #[inline(always)]
     fn hourglass_energy<L: Lane>(
@@ -104,12 +122,12 @@ impl ElementKernel<8, 1> for Hex8Natural {
         geometry: Geometry<L>,
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 8],
-    ) -> Option<L> {
+    ) -> L {
         let shape = Shape::new(&geometry);
         let strains = shape.hourglass_strains(&shape.mean_gradient(modes), modes);
         let strains = natural_frame::elastic_part(strains, hourglass.history);
         let frame = NaturalFrame::new(linear(&geometry));
-        Some(frame.energy(&hourglass.moduli, &strains))
+        frame.energy(&hourglass.moduli, &strains)
     }
     fn hourglass_is_bending(&self) -> bool {
         true
@@ -130,6 +148,9 @@ impl ElementKernel<8, 1> for Hex8Natural {
         let frame = NaturalFrame::new(linear(&geometry));
         Some(frame.surface_stresses(&hourglass.moduli, &strains, geometry.get(SHRINK)))
     }
+}
+
+impl HistoryKernel<8, 1> for Hex8Natural {
     #[inline(always)]
     fn own_history(&self) -> usize {
         natural_frame::HISTORY

@@ -1,8 +1,8 @@
 //! Eight-node brick with one integration point and hourglass stiffness.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, ParameterError, Strain,
-    Stress, Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, HourglassKernel, Lane,
+    ModalKernel, ParameterError, Strain, Stress, Vec3,
 };
 
 use super::hexahedron;
@@ -106,14 +106,6 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
         hexahedron::node_shares(corners)
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 1] {
         [strain_of(&Shape::new(&geometry).mean_gradient(modes))]
     }
@@ -134,9 +126,31 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
         }
         shape.forces(&geometry, &stresses[0], &resisted)
     }
-    fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<8, 1> for Hex8OnePoint {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::nodal_forces(modal)
+    }
+}
+
+impl HourglassKernel<8, 1> for Hex8OnePoint {
+    fn hourglass_moduli(&self, medium: &ElasticMedium) -> [f64; 3] {
         let most = self.most_shear / self.hourglass * medium.shear();
-        Some([medium.constrained().min(most), 0.0, 0.0])
+        [medium.constrained().min(most), 0.0, 0.0]
     }
     #[inline(always)]
     fn hourglass_energy<L: Lane>(
@@ -144,11 +158,11 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
         geometry: Geometry<L>,
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 8],
-    ) -> Option<L> {
+    ) -> L {
         let shape = Shape::new(&geometry);
         let q = shape.hourglass_strains(&shape.mean_gradient(modes), modes);
         let squares = (dot(q[0], q[0]) + dot(q[1], q[1])) + (dot(q[2], q[2]) + dot(q[3], q[3]));
         let half = geometry.constant(0.5);
-        Some(half * hourglass.moduli[0] * geometry.get(RESISTANCE) * squares)
+        half * hourglass.moduli[0] * geometry.get(RESISTANCE) * squares
     }
 }

@@ -1,7 +1,8 @@
 //! One-point brick for parallelepipeds.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, HourglassKernel, Lane,
+    ModalKernel, Strain, Stress, Vec3,
 };
 
 use super::hex8_one_point::Hex8OnePoint;
@@ -55,14 +56,6 @@ impl ElementKernel<8, 1> for Parallelepiped {
         [0.125; 8]
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 1] {
         let gradient = outer_sum([modes[1], modes[2], modes[3]], linear_gradients(&geometry));
         [strain_of(&gradient)]
@@ -89,7 +82,29 @@ impl ElementKernel<8, 1> for Parallelepiped {
             scaled(modes[7], resistance),
         ]
     }
-    fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<8, 1> for Parallelepiped {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::nodal_forces(modal)
+    }
+}
+
+impl HourglassKernel<8, 1> for Parallelepiped {
+    fn hourglass_moduli(&self, medium: &ElasticMedium) -> [f64; 3] {
         self.0.hourglass_moduli(medium)
     }
     #[inline(always)]
@@ -98,11 +113,11 @@ impl ElementKernel<8, 1> for Parallelepiped {
         geometry: Geometry<L>,
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 8],
-    ) -> Option<L> {
+    ) -> L {
         let [_, _, _, _, q4, q5, q6, q7] = *modes;
         let squares = (dot(q4, q4) + dot(q5, q5)) + (dot(q6, q6) + dot(q7, q7));
         let half = geometry.constant(0.5);
-        Some(half * hourglass.moduli[0] * geometry.get(RESISTANCE) * squares)
+        half * hourglass.moduli[0] * geometry.get(RESISTANCE) * squares
     }
 }
 

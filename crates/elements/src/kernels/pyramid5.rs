@@ -1,8 +1,8 @@
 //! Five-node pyramid.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, OwnStep, Strain, Stress,
-    Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, HistoryKernel, Hourglass, HourglassKernel,
+    Lane, ModalKernel, OwnStep, Strain, Stress, Vec3,
 };
 
 use super::hex8_natural::Hex8Natural;
@@ -74,7 +74,18 @@ impl ElementKernel<5, 1> for Pyramid5 {
         let [a, b, c, d, e, f, g, h] = BRICK.nodal_forces(&modal);
         [a, b, c, d, sum(sum(e, f), sum(g, h))]
     }
-    fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
+    #[inline(always)]
+    fn hourglass(&self) -> Option<&impl HourglassKernel<5, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn history(&self) -> Option<&impl HistoryKernel<5, 1>> {
+        Some(self)
+    }
+}
+
+impl HourglassKernel<5, 1> for Pyramid5 {
+    fn hourglass_moduli(&self, medium: &ElasticMedium) -> [f64; 3] {
         BRICK.hourglass_moduli(medium)
     }
     #[inline(always)]
@@ -83,7 +94,7 @@ impl ElementKernel<5, 1> for Pyramid5 {
         geometry: Geometry<L>,
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 5],
-    ) -> Option<L> {
+    ) -> L {
         BRICK.hourglass_energy(geometry, hourglass, &modes_of_brick(modes))
     }
     fn hourglass_is_bending(&self) -> bool {
@@ -101,6 +112,9 @@ impl ElementKernel<5, 1> for Pyramid5 {
     ) -> Option<[Stress; 3]> {
         BRICK.surface_stresses(geometry, hourglass, &modes_of_brick(modes))
     }
+}
+
+impl HistoryKernel<5, 1> for Pyramid5 {
     #[inline(always)]
     fn own_history(&self) -> usize {
         BRICK.own_history()

@@ -1,7 +1,7 @@
 //! Bricks with 2 x 2 x 2 integration points whose edges are parallel.
 
 use powerhouse_model::{
-    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, ModalKernel, Strain, Stress, Vec3,
 };
 
 use super::hex8_integrated::{Hex8BBar, Hex8Full};
@@ -309,14 +309,6 @@ impl ElementKernel<8, 8> for StraightBrick {
         [0.125; 8]
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 8] {
         let one = geometry.constant(1.0);
         let mut strains = [[one; 6]; 8];
@@ -396,6 +388,21 @@ impl ElementKernel<8, 8> for StraightBrick {
             }
         }
         forces_of(&conjugate, factors)
+    }
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<8, 8>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<8, 8> for StraightBrick {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::nodal_forces(modal)
     }
     #[inline(always)]
     fn elastic_forces<L: Lane>(

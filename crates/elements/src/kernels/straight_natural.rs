@@ -1,8 +1,8 @@
 //! One-point bricks with hourglass forces of the material in bending, whose edges are parallel.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, OwnStep, Strain, Stress,
-    Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, HistoryKernel, Hourglass, HourglassKernel,
+    Lane, ModalKernel, OwnStep, Strain, Stress, Vec3,
 };
 
 use super::hex8_natural::Hex8Natural;
@@ -145,14 +145,6 @@ impl ElementKernel<8, 1> for StraightNatural {
         [0.125; 8]
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 8]) -> [Strain<L>; 1] {
         if self.along_axes {
             let [a, b, c] = geometry.vector(0);
@@ -193,7 +185,33 @@ impl ElementKernel<8, 1> for StraightNatural {
         let [f4, f5, f6, f7] = self.resisted(&geometry, &hourglass.moduli, &strains);
         [[volume.constant(0.0); 3], f1, f2, f3, f4, f5, f6, f7]
     }
-    fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
+        Some(self)
+    }
+    #[inline(always)]
+    fn history(&self) -> Option<&impl HistoryKernel<8, 1>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<8, 1> for StraightNatural {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        hexahedron::nodal_forces(modal)
+    }
+}
+
+impl HourglassKernel<8, 1> for StraightNatural {
+    fn hourglass_moduli(&self, medium: &ElasticMedium) -> [f64; 3] {
         Hex8Natural.hourglass_moduli(medium)
     }
     #[inline(always)]
@@ -202,14 +220,14 @@ impl ElementKernel<8, 1> for StraightNatural {
         geometry: Geometry<L>,
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; 8],
-    ) -> Option<L> {
+    ) -> L {
         let strains = natural_frame::elastic_part(hourglass_strains(modes), hourglass.history);
         let forces = self.resisted(&geometry, &hourglass.moduli, &strains);
         let mut work = dot(forces[0], strains[0]);
         for a in 1..4 {
             work = work + dot(forces[a], strains[a]);
         }
-        Some(work * work.constant(0.5))
+        work * work.constant(0.5)
     }
     fn hourglass_is_bending(&self) -> bool {
         true
@@ -229,6 +247,9 @@ impl ElementKernel<8, 1> for StraightNatural {
         let frame = self.frame(&geometry);
         Some(frame.surface_stresses(&hourglass.moduli, &strains, shrink))
     }
+}
+
+impl HistoryKernel<8, 1> for StraightNatural {
     #[inline(always)]
     fn own_history(&self) -> usize {
         Hex8Natural.own_history()

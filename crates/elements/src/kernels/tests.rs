@@ -5,7 +5,7 @@ mod tet10;
 
 use nalgebra::{DMatrix, Rotation3, SymmetricEigen};
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, Geometry, Hourglass, Mat3, Strain, Stress, Vec3,
+    ElasticMedium, ElementKernel, Geometry, Hourglass, KernelArithmetic, Mat3, Strain, Stress, Vec3,
 };
 
 use super::straight_brick::StraightBrick;

@@ -1,7 +1,8 @@
 //! Ten-node composite tetrahedron.
 
 use powerhouse_model::{
-    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+    ElasticMedium, ElementKernel, ElementKind, Geometry, Hourglass, Lane, ModalKernel, Strain,
+    Stress, Vec3,
 };
 
 use super::positions;
@@ -149,38 +150,6 @@ impl ElementKernel<10, 4> for Tet10 {
         core::array::from_fn(|a| if a < 4 { corner } else { middle })
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 10]) -> [[L; 3]; 10] {
-        let half = nodal[0][0].constant(-0.5);
-        let mut modes = *nodal;
-        for a in 1..4 {
-            modes[a] = difference(nodal[a], nodal[0]);
-        }
-        for a in 0..4 {
-            for b in a + 1..4 {
-                let middle = EDGES[a][b];
-                // Twice half of the differences, so that a common motion leaves no rounding.
-                let ends = sum(
-                    difference(nodal[a], nodal[middle]),
-                    difference(nodal[b], nodal[middle]),
-                );
-                modes[middle] = scaled(ends, half);
-            }
-        }
-        modes
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 10]) -> [[L; 3]; 10] {
-        let half = modal[0][0].constant(-0.5);
-        let mut forces = *modal;
-        let all = sum(sum(modal[1], modal[2]), modal[3]);
-        forces[0] = [-all[0], -all[1], -all[2]];
-        let curved = sums_at_corners(modal);
-        for a in 0..4 {
-            forces[a] = scaled_sum(curved[a], half, forces[a]);
-        }
-        forces
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 10]) -> [Strain<L>; 4] {
         let gradients = linear_gradients(&geometry);
         let constant = |value: f64| geometry.constant(value);
@@ -264,6 +233,45 @@ impl ElementKernel<10, 4> for Tet10 {
                 forces[edge] = scaled_sum(along, constant(OWN), force);
                 forces[opposite] = scaled_sum(along, constant(OPPOSITE), forces[opposite]);
             }
+        }
+        forces
+    }
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<10, 4>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<10, 4> for Tet10 {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 10]) -> [[L; 3]; 10] {
+        let half = nodal[0][0].constant(-0.5);
+        let mut modes = *nodal;
+        for a in 1..4 {
+            modes[a] = difference(nodal[a], nodal[0]);
+        }
+        for a in 0..4 {
+            for b in a + 1..4 {
+                let middle = EDGES[a][b];
+                // Twice half of the differences, so that a common motion leaves no rounding.
+                let ends = sum(
+                    difference(nodal[a], nodal[middle]),
+                    difference(nodal[b], nodal[middle]),
+                );
+                modes[middle] = scaled(ends, half);
+            }
+        }
+        modes
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 10]) -> [[L; 3]; 10] {
+        let half = modal[0][0].constant(-0.5);
+        let mut forces = *modal;
+        let all = sum(sum(modal[1], modal[2]), modal[3]);
+        forces[0] = [-all[0], -all[1], -all[2]];
+        let curved = sums_at_corners(modal);
+        for a in 0..4 {
+            forces[a] = scaled_sum(curved[a], half, forces[a]);
         }
         forces
     }

@@ -1,7 +1,7 @@
 //! Four-node tetrahedron.
 
 use powerhouse_model::{
-    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, ModalKernel, Strain, Stress, Vec3,
 };
 
 use super::positions;
@@ -47,22 +47,6 @@ impl ElementKernel<4, 1> for Tet4 {
         [0.25; 4]
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 4]) -> [[L; 3]; 4] {
-        let first = nodal[0];
-        [
-            first,
-            difference(nodal[1], first),
-            difference(nodal[2], first),
-            difference(nodal[3], first),
-        ]
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 4]) -> [[L; 3]; 4] {
-        let [_, f1, f2, f3] = *modal;
-        let all = sum(sum(f1, f2), f3);
-        [[-all[0], -all[1], -all[2]], f1, f2, f3]
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 4]) -> [Strain<L>; 1] {
         let gradients = linear_gradients(&geometry);
         let gradient = outer_sum([modes[1], modes[2], modes[3]], gradients);
@@ -79,5 +63,28 @@ impl ElementKernel<4, 1> for Tet4 {
         let gradients = linear_gradients(&geometry);
         let [f1, f2, f3] = uniform_forces(&stresses[0], geometry.get(VOLUME), gradients);
         [[geometry.constant(0.0); 3], f1, f2, f3]
+    }
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<4, 1>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<4, 1> for Tet4 {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 4]) -> [[L; 3]; 4] {
+        let first = nodal[0];
+        [
+            first,
+            difference(nodal[1], first),
+            difference(nodal[2], first),
+            difference(nodal[3], first),
+        ]
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 4]) -> [[L; 3]; 4] {
+        let [_, f1, f2, f3] = *modal;
+        let all = sum(sum(f1, f2), f3);
+        [[-all[0], -all[1], -all[2]], f1, f2, f3]
     }
 }

@@ -1,7 +1,7 @@
 //! Six-node wedge.
 
 use powerhouse_model::{
-    ElementKernel, ElementKind, Geometry, Hourglass, Lane, Strain, Stress, Vec3,
+    ElementKernel, ElementKind, Geometry, Hourglass, Lane, ModalKernel, Strain, Stress, Vec3,
 };
 
 use super::positions;
@@ -142,27 +142,6 @@ impl ElementKernel<6, 6> for Wedge6 {
         shares.map(|share| share / volume)
     }
     #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 6]) -> [[L; 3]; 6] {
-        modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 6]) -> [[L; 3]; 6] {
-        let [_, r, s, t, rt, st] = *modal;
-        let (low, height) = (sum(r, s), difference(t, sum(rt, st)));
-        [
-            [
-                -low[0] - height[0],
-                -low[1] - height[1],
-                -low[2] - height[2],
-            ],
-            difference(r, rt),
-            difference(s, st),
-            difference(height, low),
-            sum(r, rt),
-            sum(s, st),
-        ]
-    }
-    #[inline(always)]
     fn strains<L: Lane>(&self, geometry: Geometry<L>, modes: &[[L; 3]; 6]) -> [Strain<L>; 6] {
         let position = position_modes(&geometry);
         let displacement = [modes[1], modes[2], modes[3], modes[4], modes[5]];
@@ -210,5 +189,33 @@ impl ElementKernel<6, 6> for Wedge6 {
             forces[k] = scaled(forces[k], scale);
         }
         forces
+    }
+    #[inline(always)]
+    fn modal(&self) -> Option<&impl ModalKernel<6, 6>> {
+        Some(self)
+    }
+}
+
+impl ModalKernel<6, 6> for Wedge6 {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 6]) -> [[L; 3]; 6] {
+        modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 6]) -> [[L; 3]; 6] {
+        let [_, r, s, t, rt, st] = *modal;
+        let (low, height) = (sum(r, s), difference(t, sum(rt, st)));
+        [
+            [
+                -low[0] - height[0],
+                -low[1] - height[1],
+                -low[2] - height[2],
+            ],
+            difference(r, rt),
+            difference(s, st),
+            difference(height, low),
+            sum(r, rt),
+            sum(s, st),
+        ]
     }
 }

@@ -31,7 +31,7 @@ fn lane_width_leaves_no_trace() {
             .collect();
         fixture.block.set_initial_stress(&stresses);
         let active: Vec<bool> = (0..count).map(|e| e % 5 != 3).collect();
-        fixture.block.set_active(&active);
+        fixture.block.stateful_mut().unwrap().set_active(&active);
         let mut numbers = Vec::new();
         for step in 0..3 {
             let context = BlockContext::new(when(step, 1e-4), views.0, views.1).with_ledger(true);

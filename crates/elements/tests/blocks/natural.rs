@@ -223,9 +223,8 @@ fn ring(around: usize, poisson: f64) -> [f64; 2] {
     for element in 0..around {
         let angle = (element as f64 + 0.5) * step;
         let along = Vec3::new(angle.cos(), 0.0, -angle.sin());
-        let stresses = fixture
-            .block
-            .surface_stresses(element, NodalView::F64(&nodes));
+        let output = fixture.block.output().unwrap();
+        let stresses = output.surface_stresses(element, NodalView::F64(&nodes));
         let stress = stresses.unwrap()[2].matrix() * along;
         let moment = stress.dot(&along) * THICKNESS * THICKNESS / 6.0;
         worst = worst.max((moment / exact.moment() - (2.0 * angle).cos()).abs());
@@ -298,8 +297,13 @@ fn bending_that_flowed_is_kept() {
             let at = |fixture: &Fixture, step: u64| pulled(fixture, 0.3 * step as f64);
             for step in 0..6 {
                 if step == 4 {
-                    let saved = whole.block.save_state().unwrap().unwrap();
-                    restored.block.restore_state(&saved).unwrap();
+                    let saved = whole.block.saved().unwrap().save_state().unwrap();
+                    restored
+                        .block
+                        .saved_mut()
+                        .unwrap()
+                        .restore_state(&saved)
+                        .unwrap();
                 }
                 let path = [at(&whole, step), at(&whole, step + 1)];
                 let path = [&path[0][..], &path[1][..]];
@@ -335,8 +339,13 @@ fn bending_that_flowed_is_kept() {
             }
             whole.block.commit();
             if step == 3 {
-                let saved = whole.block.save_state().unwrap().unwrap();
-                restored.block.restore_state(&saved).unwrap();
+                let saved = whole.block.saved().unwrap().save_state().unwrap();
+                restored
+                    .block
+                    .saved_mut()
+                    .unwrap()
+                    .restore_state(&saved)
+                    .unwrap();
             }
         }
     }

@@ -518,11 +518,17 @@ fn lanes_and_resumption_keep_the_bits() {
         for number in 0..8 {
             assert_eq!(step(&mut wide, number), step(&mut one, number), "{number}");
             if number == 4 {
-                saved = wide.block.save_state().unwrap();
+                let state = wide.block.saved().unwrap();
+                saved = Some(state.save_state().unwrap());
             }
         }
         let mut restored = fresh(LaneWidth::One);
-        restored.block.restore_state(&saved.unwrap()).unwrap();
+        restored
+            .block
+            .saved_mut()
+            .unwrap()
+            .restore_state(&saved.unwrap())
+            .unwrap();
         for number in 5..8 {
             step(&mut restored, number);
         }
@@ -631,7 +637,7 @@ fn saturated_linear_ground_moves_without_its_law() {
             let mut active = vec![true; pair[0].block.elements().len()];
             active[0] = false;
             pair.iter_mut()
-                .for_each(|fixture| fixture.block.set_active(&active));
+                .for_each(|fixture| fixture.block.stateful_mut().unwrap().set_active(&active));
             check(pair, &still, "with an element off");
             check(pair, &moved, "with an element off, elsewhere");
             for fixture in pair.iter_mut() {

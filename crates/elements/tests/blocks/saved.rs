@@ -55,10 +55,15 @@ fn a_restored_block_goes_on_with_the_same_bits() {
     for precision in [Precision::F64, Precision::Mixed] {
         for (before, after) in [(0, 0), (0, 1), (1, 0)] {
             let mut whole = moved(precision, widths[before], 0..4);
-            let saved = whole.block.save_state().unwrap().unwrap();
+            let saved = whole.block.saved().unwrap().save_state().unwrap();
             let mut restored = fresh(precision, widths[after]);
-            restored.block.restore_state(&saved).unwrap();
-            let again = restored.block.save_state().unwrap().unwrap();
+            restored
+                .block
+                .saved_mut()
+                .unwrap()
+                .restore_state(&saved)
+                .unwrap();
+            let again = restored.block.saved().unwrap().save_state().unwrap();
             assert!(before != after || again == saved, "{precision:?}");
             for step in 4..8 {
                 let case = format!("{precision:?}, {before} to {after}, step {step}");
@@ -74,21 +79,25 @@ fn a_restored_block_goes_on_with_the_same_bits() {
 #[test]
 fn the_state_of_another_block_is_refused() {
     let saved = moved(Precision::F64, LaneWidth::Native, 0..2);
-    let saved = saved.block.save_state().unwrap().unwrap();
+    let saved = saved.block.saved().unwrap().save_state().unwrap();
     let mut single = fresh(Precision::Mixed, LaneWidth::Native);
     let mesh = distorted(ElementKind::Hex8, [3, 3, 2]);
     let options = options(Precision::F64, LaneWidth::Native, 2e-4);
     let kernel = SolidKernel::Hex8OnePoint(Hex8OnePoint::default());
     let mut smaller = Fixture::of(mesh, kernel, Softening(rock()), options);
     for other in [&mut single, &mut smaller] {
-        let refused = other.block.restore_state(&saved);
+        let refused = other.block.saved_mut().unwrap().restore_state(&saved);
         assert!(
             matches!(refused, Err(StateError::Foreign { .. })),
             "{refused:?}"
         );
     }
     let mut same = fresh(Precision::F64, LaneWidth::Native);
-    let cut = same.block.restore_state(&saved[..saved.len() / 2]);
+    let cut = same
+        .block
+        .saved_mut()
+        .unwrap()
+        .restore_state(&saved[..saved.len() / 2]);
     assert!(matches!(cut, Err(StateError::Unreadable { .. })), "{cut:?}");
 }
 
@@ -109,8 +118,13 @@ fn a_negative_zero_is_kept() {
             .collect()
     };
     assert_eq!(bits(&fixture.block.history()), bits(&fields));
-    let saved = fixture.block.save_state().unwrap().unwrap();
+    let saved = fixture.block.saved().unwrap().save_state().unwrap();
     let mut restored = fresh(Precision::F64, LaneWidth::Native);
-    restored.block.restore_state(&saved).unwrap();
+    restored
+        .block
+        .saved_mut()
+        .unwrap()
+        .restore_state(&saved)
+        .unwrap();
     assert_eq!(bits(&restored.block.history()), bits(&fields));
 }

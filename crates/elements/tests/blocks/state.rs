@@ -47,7 +47,7 @@ fn in_place_updates_have_the_bits_of_buffered_ones() {
             let mut forces = Vec::new();
             let updates = [HistoryUpdate::InPlace, HistoryUpdate::Buffered];
             for (fixture, update) in [&mut in_place, &mut buffered].into_iter().zip(updates) {
-                fixture.block.set_active(&active);
+                fixture.block.stateful_mut().unwrap().set_active(&active);
                 let context = context.with_history_update(update);
                 forces.push(fixture.forces_at(&context).unwrap());
                 fixture.block.commit();
@@ -137,7 +137,7 @@ fn inactive_elements_are_not_there() {
     let mut mass = vec![0.0; u.len()];
     for share in 0..2 {
         let active: Vec<bool> = (0..count).map(|e| e % 2 == share).collect();
-        fixture.block.set_active(&active);
+        fixture.block.stateful_mut().unwrap().set_active(&active);
         for (sum, force) in sum.iter_mut().zip(fixture.forces(&u, &rest)) {
             *sum += force;
         }
@@ -149,7 +149,11 @@ fn inactive_elements_are_not_there() {
         let history = &fixture.block.history()[0].values;
         let grown = |e: usize| history[6 * e..6 * e + 6].iter().all(|&h| h > 0.0);
         assert!((0..count).all(|e| grown(e) == (e % 2 <= share)));
-        fixture.block.set_active(&vec![true; count]);
+        fixture
+            .block
+            .stateful_mut()
+            .unwrap()
+            .set_active(&vec![true; count]);
         let values = (0..6 * count)
             .map(|i| {
                 if (i / 6) % 2 <= share {
@@ -307,25 +311,28 @@ fn forces_of_elements_add_up_to_those_of_the_block() {
                 let off = elements / 2;
                 let active: Vec<bool> = (0..elements).map(|element| element != off).collect();
                 let block = &mut fixture.block;
-                block.set_active(&active);
+                block.stateful_mut().unwrap().set_active(&active);
                 block.set_initial_stress(&initial);
                 block.set_reference_displacement(NodalView::F64(&reference));
                 let rest = zeros(now.len());
                 fixture.forces(&before, &rest);
                 fixture.block.commit();
                 let mut expected = fixture.forces(&now, &rest);
-                fixture.block.add_forces_of(&initial, &mut expected);
+                fixture
+                    .block
+                    .stateful()
+                    .unwrap()
+                    .add_forces_of(&initial, &mut expected);
 
                 let mut sums = vec![Vec3::zeros(); expected.len()];
                 for (element, place) in fixture.block.elements().iter().zip(0..) {
                     let nodes = fixture.mesh.nodes_of(*element);
                     let mut forces = vec![Vec3::repeat(f64::NAN); nodes.len()];
                     let view = NodalView::F64(&now);
-                    let known =
-                        fixture
-                            .block
-                            .element_forces(place, view, &initial[place], &mut forces);
-                    assert!(known && (place != off || largest(&forces) == 0.0));
+                    let output = fixture.block.output().unwrap();
+                    let of_elements = output.element_forces().unwrap();
+                    of_elements.write_forces(place, view, &initial[place], &mut forces);
+                    assert!(place != off || largest(&forces) == 0.0);
                     for (&node, force) in nodes.iter().zip(&forces) {
                         sums[fixture.place(node)] += force;
                     }

@@ -186,7 +186,10 @@ impl DelayedSlice {
             half,
             lumping: Lumping::new(&rows, groups.len(), stiff(LEAST_REACH)),
             coupling: Coupling::new(&rows, groups, delayed.slowness),
-            is_linear: blocks.iter().all(|block| block.is_linear_elastic()),
+            is_linear: blocks.iter().all(|block| {
+                let stiffness = block.stiffness();
+                stiffness.is_some_and(|stiffness| stiffness.is_linear_elastic())
+            }),
             sides,
             place,
             mass: mass.clone(),

@@ -373,7 +373,7 @@ fn lumped(
         block.add_mass(&mut of_block);
         for (&node, m) in nodes.iter().zip(of_block) {
             mass[node as usize] += m;
-            damping[node as usize] += m * block.mass_damping();
+            damping[node as usize] += m * block.damping().mass;
         }
     }
     if damping.iter().all(|&c| c == 0.0) {

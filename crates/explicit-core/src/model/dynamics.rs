@@ -130,7 +130,7 @@ fn forces_of<S: Storage>(
         block.commit();
     }
     let shift = match undamped {
-        true => -block.stiffness_damping(),
+        true => -block.damping().stiffness,
         false => terms.damping_shift,
     };
     let reads_velocity = block.reads_velocity(shift, ledger);
@@ -420,9 +420,9 @@ impl Model {
                 let orphan = self.groups.groups[g].orphan_inverse(least);
                 *inverse = orphan.unwrap_or_else(|| self.groups.response(g));
             }
-            bound
-                .constraint
-                .couple(&self.groups.couplings(&bound.groups));
+            if let Some(coupled) = bound.constraint.coupled() {
+                coupled.couple(&self.groups.couplings(&bound.groups));
+            }
             bound.constraint.prepare(step, &bound.inverse_mass);
         }
     }
@@ -473,7 +473,9 @@ impl Model {
             if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
                 let own = (index, bound.groups.clone());
                 // The work of a constraint that is not divided is accounted at its first node.
-                let divided = bound.constraint.divided_work().unwrap_or(DividedWork {
+                let divided = bound.constraint.divided();
+                let divided = divided.and_then(|divided| divided.divided_work());
+                let divided = divided.unwrap_or(DividedWork {
                     nodes: &[0],
                     work: core::slice::from_ref(&work),
                 });

@@ -16,7 +16,7 @@ impl Model {
     /// Bounds on the frequency of every active element of the mesh by itself, with its own mass; none of a model on
     /// several ranks or with a device, which cannot have fibres.
     pub fn element_frequencies(&self) -> Option<Vec<FrequencyBound>> {
-        if !self.ranks.is_single() || self.device.is_some() {
+        if !self.takes_fibres() {
             return None;
         }
         let count = self.mesh.element_count();
@@ -31,12 +31,17 @@ impl Model {
         )
     }
 
+    /// Whether the model can have fibres: on one rank and without a device.
+    pub(crate) fn takes_fibres(&self) -> bool {
+        self.ranks.is_single() && self.device.is_none()
+    }
+
     /// Sets the [fibres](Fibre) of the model, in place of those before, and so its stable step. Those with common
     /// nodes, or nodes that move as one, are one; those without relative motion are left out.
     ///
     /// # Errors
     /// [`EngineError::FibreNode`] for a node without mass, nodes of two constraints in one fibre, or two of a constraint
-    /// that cannot be solved so ([`couple`](powerhouse_model::Constraint::couple)); [`EngineError::UnknownNode`]; an added inertia out of range; a model on several ranks or with a device.
+    /// that cannot be solved so ([`coupled`](powerhouse_model::Constraint::coupled)); [`EngineError::UnknownNode`]; an added inertia out of range; a model on several ranks or with a device.
     pub fn set_fibres(&mut self, fibres: &[Fibre]) -> Result<(), ModelError> {
         let is_wanted = fibres.iter().any(|fibre| fibre.added > 0.0);
         if is_wanted && !self.ranks.is_single() {
@@ -147,7 +152,11 @@ impl Model {
                     }
                 }
             }
-            let is_solved = self.constraints[index].constraint.couple(&couplings);
+            let coupled = self.constraints[index].constraint.coupled();
+            let is_solved = coupled.is_some();
+            if let Some(coupled) = coupled {
+                coupled.couple(&couplings);
+            }
             if let (false, Some(node)) = (is_solved, second) {
                 return Err(EngineError::FibreNode {
                     node: self.node_tag(node as usize),

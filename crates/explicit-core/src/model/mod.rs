@@ -13,8 +13,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use powerhouse_model::{
-    CheckpointSink, Constraint, ConstraintParts, ElementBlock, MassDampingRule, Mat3, Mesh,
-    ModelSpec, Precision, RunError, SavedRun, TimeFunction, Vec3,
+    CheckpointSink, Constraint, ConstraintParts, ElementBlock, JointView, MassDampingRule, Mat3,
+    Mesh, ModelSpec, Precision, RunError, SavedRun, TimeFunction, Vec3,
 };
 
 use crate::applied::AppliedLoads;
@@ -56,6 +56,11 @@ impl BoundConstraint {
     /// Range of the groups of its nodes, in its order.
     pub(crate) fn groups(&self) -> Range<usize> {
         self.groups.clone()
+    }
+    /// Views of its joints.
+    pub(crate) fn joints(&self) -> Vec<JointView<'_>> {
+        let jointed = self.constraint.jointed();
+        jointed.map_or_else(Vec::new, |jointed| jointed.joints())
     }
 }
 
@@ -191,7 +196,9 @@ impl Model {
     /// Parts of constraints that periodic pairs connect are one.
     pub fn constraint_parts(&self) -> ConstraintParts {
         let constraints = self.constraints.iter();
-        let parts: Vec<ConstraintParts> = constraints.map(|c| c.constraint.parts()).collect();
+        let parts: Vec<ConstraintParts> = constraints
+            .map(|c| ConstraintParts::of(c.constraint.as_ref()))
+            .collect();
         let mesh_of = &self.subdomain.numbering.mesh_of;
         let groups = self.groups.groups.iter();
         let tied: Vec<Vec<u32>> = groups

@@ -266,7 +266,7 @@ impl Model {
 
     /// The joints of all constraints, with the state of their node pairs.
     pub fn joints(&self) -> impl Iterator<Item = JointView<'_>> {
-        (self.constraints.iter()).flat_map(|bound| bound.constraint.joints())
+        (self.constraints.iter()).flat_map(|bound| bound.joints())
     }
 
     /// The complete state of the body, from which another model of the same mesh continues, in the mesh's numbering;
@@ -434,7 +434,10 @@ impl Model {
             },
         };
         let mut constraints = self.constraints.iter_mut();
-        Ok(constraints.any(|bound| bound.constraint.restore(&here)))
+        Ok(constraints.any(|bound| {
+            let jointed = bound.constraint.jointed_mut();
+            jointed.is_some_and(|jointed| jointed.restore(&here))
+        }))
     }
 
     /// Resets a joint, by name, at the present displacement, from which its opening and slip are measured from then
@@ -446,7 +449,8 @@ impl Model {
             let displacement: Vec<Vec3> = nodes
                 .map(|&node| self.displacement_of(node as usize))
                 .collect();
-            bound.constraint.renew(joint, renewal, &displacement)
+            let jointed = bound.constraint.jointed_mut();
+            jointed.is_some_and(|jointed| jointed.renew(joint, renewal, &displacement))
         });
         self.constraints = constraints;
         found

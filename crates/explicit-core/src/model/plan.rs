@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use powerhouse_model::{
-    AddedMass, Constraint, EngineError, Mat3, Mesh, NodalImpedance, Prescribed, Support,
+    AddedMass, Constraint, ConstraintParts, EngineError, Mat3, Mesh, NodalImpedance, Prescribed,
+    Support,
 };
 
 use crate::node_group::NodeGroup;
@@ -204,7 +205,7 @@ impl<'a> GroupPlan<'a> {
 
     /// Refuses a constraint whose parts do not have each of its nodes once.
     fn check_parts(&self, constraint: &dyn Constraint) -> Result<(), EngineError> {
-        let (mut own, parts) = (constraint.nodes().to_vec(), constraint.parts());
+        let (mut own, parts) = (constraint.nodes().to_vec(), ConstraintParts::of(constraint));
         let mut of_parts = parts.nodes().to_vec();
         own.sort_unstable();
         of_parts.sort_unstable();

@@ -123,7 +123,9 @@ impl Model {
                 .map(|&element| model.initial.stress(element))
                 .collect();
             let mut own = vec![Vec3::zeros(); model.subdomain.nodes_of(index).len()];
-            block.add_forces_of(&stresses, &mut own);
+            if let Some(stateful) = block.stateful() {
+                stateful.add_forces_of(&stresses, &mut own);
+            }
             let place_of: HashMap<u32, usize> = block.nodes().iter().copied().zip(0..).collect();
             for &element in block.elements() {
                 let nodes = model.mesh.nodes_of(element);

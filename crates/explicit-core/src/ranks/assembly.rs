@@ -131,7 +131,10 @@ impl BlockAssembly {
         periodic: &[PeriodicPairs],
     ) -> Ranked {
         let layout = (!team.is_single()).then(|| {
-            let parts: Vec<ConstraintParts> = constraints.iter().map(|c| c.parts()).collect();
+            let parts: Vec<ConstraintParts> = constraints
+                .iter()
+                .map(|c| ConstraintParts::of(c.as_ref()))
+                .collect();
             let of_constraints = parts.iter().flat_map(ConstraintParts::iter);
             let tied = periodic.iter().flat_map(|periodic| &periodic.pairs);
             let tied: Vec<[u32; 2]> = tied.map(|&(a, b)| [a, b]).collect();
@@ -278,7 +281,7 @@ impl Ranked {
         for (block, nodes) in blocks.iter().zip(nodes_of_blocks) {
             let mut of_block = vec![0.0; nodes.len()];
             block.add_mass(&mut of_block);
-            let damping = block.mass_damping();
+            let damping = block.damping().mass;
             let of_nodes = of_block.into_iter();
             shares.extend(of_nodes.map(|mass| Quad::new(mass, mass * damping, 0.0)));
         }
@@ -312,17 +315,25 @@ impl Ranked {
         let (mut kept, mut nodes, mut kept_numbers) = (Vec::new(), Vec::new(), Vec::new());
         let (mut joints, mut undivided) = (Vec::new(), Vec::new());
         for (number, mut constraint) in (0..).zip(constraints) {
-            joints.extend(constraint.joints().iter().map(WholeJoint::of));
-            let parts: Vec<bool> = constraint.parts().iter().map(is_here).collect();
-            if parts.len() > 1 && constraint.divided_work().is_none() {
+            let views = constraint.jointed().map(|jointed| jointed.joints());
+            joints.extend(views.iter().flatten().map(WholeJoint::of));
+            let parts = ConstraintParts::of(constraint.as_ref());
+            let parts: Vec<bool> = parts.iter().map(is_here).collect();
+            let work = (constraint.divided()).and_then(|divided| divided.divided_work());
+            if parts.len() > 1 && work.is_none() {
                 undivided.push(constraint.name().into());
             }
             if !parts.contains(&true) {
                 continue;
             }
-            if parts.contains(&false) && !constraint.keep_parts(&parts) {
-                let what = format!("constraint '{}', of which a part", constraint.name());
-                return Err(self.one_rank_only(what).into());
+            if parts.contains(&false) {
+                match constraint.restricted() {
+                    Some(restricted) => restricted.keep_parts(&parts),
+                    None => {
+                        let what = format!("constraint '{}', of which a part", constraint.name());
+                        return Err(self.one_rank_only(what).into());
+                    }
+                }
             }
             if !is_here(constraint.nodes()) {
                 let what = format!("constraint '{}' with nodes of no part", constraint.name());

@@ -2,9 +2,10 @@
 
 use powerhouse_model::{
     Engine, EngineModel, FrequencyLimits, HandOverReport, HourglassShare, JointView, Mesh,
-    ModelError, ModelSpec, Observer, Progress, RankError, Ranks, Renewal, RunError, RunFailure,
-    RunOptions, RunReport, StableStep, State, StaticError, StaticOptions, StaticProgress,
-    StaticReport, Stress, TimeIntegrator, Vec3,
+    ModelError, ModelFrequencies, ModelOutput, ModelSpec, Observer, Progress, RankError, Ranks,
+    Renewal, RunError, RunFailure, RunOptions, RunReport, StableStep, State, StatefulModel,
+    StaticError, StaticModel, StaticOptions, StaticProgress, StaticReport, Stress, TimeIntegrator,
+    Vec3,
 };
 
 use super::communicator::{Communicator, rank_failure};
@@ -169,15 +170,6 @@ impl EngineModel for WholeModel {
     fn time(&self) -> f64 {
         self.part.time()
     }
-    fn steps_taken(&self) -> u64 {
-        self.part.steps_taken()
-    }
-    fn mass(&self, node: u32) -> f64 {
-        match self.part.rank() {
-            0 => self.mass[node as usize],
-            _ => self.part.mass(node).unwrap_or(f64::NAN),
-        }
-    }
     fn displacement(&self, node: u32) -> Vec3 {
         match self.part.rank() {
             0 => vector(&self.motion[node as usize], 0),
@@ -190,38 +182,9 @@ impl EngineModel for WholeModel {
             _ => self.part.velocity(node).unwrap_or(UNKNOWN),
         }
     }
-    fn joints(&self) -> Vec<JointView<'_>> {
-        let joints = self.part.local().ranks.joints.iter();
-        let views = joints.zip(&self.joints);
-        views.map(|(joint, values)| joint.view(values)).collect()
-    }
-    fn stress_changes(&self) -> Vec<Stress> {
-        self.part.local().stress_changes()
-    }
-    fn hourglass_shares(&self) -> Vec<HourglassShare> {
-        self.part.local().hourglass_shares()
-    }
     fn set_initial(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
         self.part.set_initial(displacement, velocity)?;
         self.refresh()
-    }
-    fn state(&mut self) -> State {
-        self.part.local_mut().state()
-    }
-    fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
-        let model = self.part.local_mut();
-        let set = model.set_state(state);
-        model.ranks.team.agree(set)?;
-        self.refresh()
-    }
-    fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
-        self.part.local_mut().renew_joint(joint, renewal);
-        // The joints are those of before where the communication has failed, which the next operation reports.
-        let _ = self.refresh();
-        self.joints().iter().any(|view| view.name == joint)
-    }
-    fn frequency_limits(&mut self) -> FrequencyLimits {
-        self.part.local_mut().frequency_limits()
     }
     fn stable_step(&mut self, integrator: &dyn TimeIntegrator) -> Result<StableStep, RunError> {
         self.part.stable_step(integrator)
@@ -240,6 +203,64 @@ impl EngineModel for WholeModel {
                 report: None,
             })
     }
+    fn output(&self) -> Option<&dyn ModelOutput> {
+        Some(self)
+    }
+    fn stateful(&mut self) -> Option<&mut dyn StatefulModel> {
+        Some(self)
+    }
+    fn statics(&mut self) -> Option<&mut dyn StaticModel> {
+        Some(self)
+    }
+    fn frequencies(&mut self) -> Option<&mut dyn ModelFrequencies> {
+        Some(self)
+    }
+}
+
+impl ModelOutput for WholeModel {
+    fn mass(&self, node: u32) -> f64 {
+        match self.part.rank() {
+            0 => self.mass[node as usize],
+            _ => self.part.mass(node).unwrap_or(f64::NAN),
+        }
+    }
+    fn joints(&self) -> Vec<JointView<'_>> {
+        let joints = self.part.local().ranks.joints.iter();
+        let views = joints.zip(&self.joints);
+        views.map(|(joint, values)| joint.view(values)).collect()
+    }
+    fn stress_changes(&self) -> Vec<Stress> {
+        self.part.local().stress_changes()
+    }
+    fn hourglass_shares(&self) -> Vec<HourglassShare> {
+        self.part.local().hourglass_shares()
+    }
+}
+
+impl StatefulModel for WholeModel {
+    fn steps_taken(&self) -> u64 {
+        self.part.steps_taken()
+    }
+    fn state(&mut self) -> State {
+        self.part.local_mut().state()
+    }
+    fn set_state(&mut self, state: &State) -> Result<(), ModelError> {
+        let model = self.part.local_mut();
+        let set = model.set_state(state);
+        model.ranks.team.agree(set)?;
+        self.refresh()
+    }
+    fn renew_joint(&mut self, joint: &str, renewal: Renewal) -> bool {
+        self.part.local_mut().renew_joint(joint, renewal);
+        // The joints are those of before where the communication has failed, which the next operation reports.
+        let _ = self.refresh();
+        ModelOutput::joints(self)
+            .iter()
+            .any(|view| view.name == joint)
+    }
+}
+
+impl StaticModel for WholeModel {
     fn equilibrate(
         &mut self,
         options: &StaticOptions,
@@ -251,5 +272,11 @@ impl EngineModel for WholeModel {
     fn hand_over(&mut self, tolerance: f64) -> Result<HandOverReport, StaticError> {
         let found = self.part.local_mut().hand_over(tolerance);
         self.refreshed(found)
+    }
+}
+
+impl ModelFrequencies for WholeModel {
+    fn frequency_limits(&mut self) -> FrequencyLimits {
+        self.part.local_mut().frequency_limits()
     }
 }

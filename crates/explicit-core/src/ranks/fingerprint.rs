@@ -1,6 +1,6 @@
 //! Checksum of the specification of a model, by which ranks find that theirs differ.
 
-use powerhouse_model::{Checksum, ModelSpec, NodalLoad, TimeFunction, encode};
+use powerhouse_model::{Checksum, ConstraintParts, ModelSpec, NodalLoad, TimeFunction, encode};
 
 /// Times (s) at which functions of time are compared.
 const TIMES: [f64; 4] = [0.0, 0.017, 0.43, 3.1];
@@ -54,7 +54,7 @@ pub(crate) fn fingerprint(spec: &ModelSpec) -> u64 {
     for constraint in &spec.constraints {
         sum.add_whole(constraint.name().as_bytes());
         add_nodes(&mut sum, constraint.nodes());
-        add_nodes(&mut sum, constraint.parts().nodes());
+        add_nodes(&mut sum, ConstraintParts::of(constraint.as_ref()).nodes());
     }
     for embedded in &spec.embedded {
         let hosts = format!("{} {:?}", embedded.name(), embedded.hosts());

@@ -106,8 +106,11 @@ impl Model {
             *force -= load;
         }
         for bound in &self.constraints {
+            let Some(jointed) = bound.constraint.jointed() else {
+                continue;
+            };
             let mut of_joints = vec![Vec3::zeros(); bound.nodes().len()];
-            bound.constraint.add_joint_forces(&mut of_joints);
+            jointed.add_joint_forces(&mut of_joints);
             for (&node, of_joints) in bound.nodes().iter().zip(&of_joints) {
                 forces[node as usize] -= of_joints;
             }

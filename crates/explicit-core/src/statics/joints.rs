@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use powerhouse_model::{
-    ContactState, DisjointSets, JointHistory, JointPair, JointView, Mat3, PredictedMotion,
-    StaticError, StepTime, Vec3,
+    ContactState, DisjointSets, JointConstraint, JointHistory, JointPair, JointView, Mat3,
+    PredictedMotion, StaticError, StepTime, Vec3,
 };
 
 use crate::Model;
@@ -34,7 +34,7 @@ impl Model {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for bound in &self.constraints {
             pairs.extend(bound.constraint.ties().into_iter().map(engine));
-            for joint in bound.constraint.joints() {
+            for joint in bound.joints() {
                 let known = joint.pairs.iter().zip(joint.records);
                 let is_tied = !joint.smooth || smooth == Smooth::Tied;
                 let connected = known.filter(|(pair, record)| {
@@ -76,8 +76,7 @@ impl Model {
     /// Refuses constraints without ties and joints.
     pub(super) fn check_constraints(&self) -> Result<(), StaticError> {
         for bound in &self.constraints {
-            let joints = bound.constraint.joints();
-            if joints.is_empty() && bound.constraint.ties().is_empty() {
+            if bound.joints().is_empty() && bound.constraint.ties().is_empty() {
                 return Err(StaticError::Constraint {
                     name: bound.constraint.name().into(),
                 });
@@ -146,7 +145,9 @@ impl Model {
             let leads = bound.nodes().iter().map(|&node| self.lead(node));
             let inverse: Vec<Mat3> = leads.map(|lead| inverse[lead]).collect();
             // Static solutions do not know fibres.
-            bound.constraint.couple(&[]);
+            if let Some(coupled) = bound.constraint.coupled() {
+                coupled.couple(&[]);
+            }
             bound.constraint.prepare(step, &inverse);
         }
         self.constraints = constraints;
@@ -203,14 +204,13 @@ impl Model {
     pub(super) fn restore_joints(&mut self, histories: &[JointHistory]) {
         for history in histories {
             for bound in &mut self.constraints {
-                if bound.constraint.restore(history) {
+                let jointed = bound.constraint.jointed_mut();
+                if jointed.is_some_and(|jointed| jointed.restore(history)) {
                     break;
                 }
             }
         }
-        for bound in &mut self.constraints {
-            bound.constraint.keep_tractions();
-        }
+        self.each_jointed(|jointed| jointed.keep_tractions());
     }
 
     /// Sets references to zero at pairs that have moved and at pairs beside released ones, whose nodes are added to `released`;
@@ -274,22 +274,25 @@ impl Model {
 
     /// Lets joints count what their bonds lose, and their slip, from states at the start of an increment of a relaxation.
     pub(super) fn begin_relaxation(&mut self, start: &[JointHistory]) {
-        for bound in &mut self.constraints {
-            bound.constraint.begin_relaxation(start);
-        }
+        self.each_jointed(|jointed| jointed.begin_relaxation(start));
     }
 
     /// Sets the share of the damage since the start of the increment that joints take back in the next step.
     pub(super) fn take_back(&mut self, share: f64) {
-        for bound in &mut self.constraints {
-            bound.constraint.take_back(share);
-        }
+        self.each_jointed(|jointed| jointed.take_back(share));
     }
 
     /// Ends an increment of a relaxation.
     pub(super) fn end_relaxation(&mut self) {
+        self.each_jointed(|jointed| jointed.end_relaxation());
+    }
+
+    /// Calls a function with the constraints that have joints.
+    fn each_jointed(&mut self, mut change: impl FnMut(&mut dyn JointConstraint)) {
         for bound in &mut self.constraints {
-            bound.constraint.end_relaxation();
+            if let Some(jointed) = bound.constraint.jointed_mut() {
+                change(jointed);
+            }
         }
     }
 

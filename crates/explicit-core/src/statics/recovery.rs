@@ -169,7 +169,7 @@ impl Model {
         let mut pairs = Vec::new();
         let mut joint = 0;
         for bound in &self.constraints {
-            let views = bound.constraint.joints();
+            let views = bound.joints();
             let lead = |node: u32| self.members(&(self.engine(node) as u32))[0];
             let mut count = HashMap::<u32, usize>::new();
             for node in views

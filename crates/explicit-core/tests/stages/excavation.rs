@@ -151,7 +151,7 @@ fn what_is_cast_later_bears_its_own_weight_alone() {
     let mut stresses = Vec::new();
     let (state, _) = run_stages(&mesh, first, &stages, &mut |event| {
         if let StageEvent::Equilibrated { model, .. } = event {
-            stresses = model.stress_changes();
+            stresses = model.output().unwrap().stress_changes();
         }
     })
     .unwrap();

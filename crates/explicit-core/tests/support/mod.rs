@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex};
 use nalgebra::DMatrix;
 use powerhouse_explicit_core::{Leapfrog, Model, run};
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, CheckpointSink, ElementBlock,
-    ElementFault, ElementKind, EnergyCheck, Fibre, FrequencyBound, HistoryField, Mat3, Mesh,
-    ModelError, NodalView, NodalViewMut, Operator, Precision, Progress, Quad, Rayleigh, RunOptions,
-    RunReport, SavedRun, State, StepChoice, Stress, Vec3,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockOutput, BlockPart, BlockStiffness,
+    CheckpointSink, DampedBlock, ElementBlock, ElementFault, ElementKind, EnergyCheck, Fibre,
+    FrequencyBound, Mat3, Mesh, ModelError, NodalView, NodalViewMut, Operator, Precision, Progress,
+    Quad, Rayleigh, RunOptions, RunReport, SavedRun, State, StepChoice, Stress, Vec3,
 };
 
 /// Elements whose nodes are joined by links of stiffness `young * area / length`.
@@ -185,7 +185,32 @@ impl ElementBlock for LinkBlock {
         self.write(&tensions, out);
         Ok(())
     }
-    fn commit(&mut self) {}
+    fn add_mass(&self, out: &mut [f64]) {
+        for (o, m) in out.iter_mut().zip(&self.mass) {
+            *o += m;
+        }
+    }
+    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
+        self.bounds.clone()
+    }
+    fn damped(&self) -> Option<&dyn DampedBlock> {
+        Some(self)
+    }
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        Some(self)
+    }
+    fn output(&self) -> Option<&dyn BlockOutput> {
+        Some(self)
+    }
+}
+
+impl DampedBlock for LinkBlock {
+    fn damping(&self) -> Rayleigh {
+        self.factory.options.damping
+    }
+}
+
+impl BlockStiffness for LinkBlock {
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
         let tensions: Vec<f64> = self
             .links
@@ -201,29 +226,9 @@ impl ElementBlock for LinkBlock {
             }
         }
     }
-    fn add_mass(&self, out: &mut [f64]) {
-        for (o, m) in out.iter_mut().zip(&self.mass) {
-            *o += m;
-        }
-    }
-    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
-        self.bounds.clone()
-    }
-    fn stiffness_damping(&self) -> f64 {
-        self.factory.options.damping.stiffness
-    }
-    fn mass_damping(&self) -> f64 {
-        self.factory.options.damping.mass
-    }
-    fn set_active(&mut self, _active: &[bool]) {}
-    fn set_reference_displacement(&mut self, _displacement: NodalView) {}
-    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
-        // Bars along x only: the axial stress.
-        for (stress, link) in out.iter_mut().zip(&self.links) {
-            stress.0[0] += link.stiffness * self.stretch(link, &displacement) / self.factory.area;
-        }
-    }
+}
+
+impl BlockOutput for LinkBlock {
     fn energy(&self, context: &BlockContext) -> BlockEnergy {
         let elastic = self
             .links
@@ -234,10 +239,12 @@ impl ElementBlock for LinkBlock {
         energy.damping = self.dissipated;
         energy
     }
-    fn history(&self) -> Vec<HistoryField> {
-        Vec::new()
+    fn add_stress(&self, displacement: NodalView, out: &mut [Stress]) {
+        // Bars along x only: the axial stress.
+        for (stress, link) in out.iter_mut().zip(&self.links) {
+            stress.0[0] += link.stiffness * self.stretch(link, &displacement) / self.factory.area;
+        }
     }
-    fn set_history(&mut self, _fields: &[HistoryField]) {}
 }
 
 /// A box of hexahedra of size `h`, interior nodes shifted by up to `jitter * h`; node sets `x0`,

@@ -111,7 +111,7 @@ pub enum StaticError {
         reason: String,
     },
     /// Carried forces that differ from those of the stage before by more than the tolerance, in
-    /// [`EngineModel::hand_over`](crate::EngineModel::hand_over).
+    /// [`StaticModel::hand_over`](crate::StaticModel::hand_over).
     #[error(
         "the forces carried over to the dynamic stage differ from those of the stage before by \
         {difference:.3e} of the internal forces (permitted: {tolerance:.1e}), most at node {node}: a load, an \
@@ -126,7 +126,7 @@ pub enum StaticError {
         node: u64,
     },
     /// A set whose internal forces at rest are others in motion, in
-    /// [`EngineModel::hand_over`](crate::EngineModel::hand_over): its static stress would not stay.
+    /// [`StaticModel::hand_over`](crate::StaticModel::hand_over): its static stress would not stay.
     #[error(
         "the static stress of set '{set}' would not stay: its internal forces in motion differ from those at rest by \
         {difference:.1e} of them. A viscoelastic law relaxes it, unless it is given as initial stress of this set; other laws \

@@ -183,7 +183,14 @@ impl Body {
         view.forces = Box::new(|element, out| {
             let (place, nodes) = (element as usize, NodalView::F64(&nodes));
             let initial = Stress::default();
-            self.block.element_forces(place, nodes, &initial, out)
+            let forces = self
+                .block
+                .output()
+                .and_then(|output| output.element_forces());
+            forces.is_some_and(|forces| {
+                forces.write_forces(place, nodes, &initial, out);
+                true
+            })
         });
         view.show(&mut observer, 0.0);
         let table = recording.copy();

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use powerhouse_model::{
-    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockPart, ElasticMedium, ElementBlock,
-    ElementFault, ElementKernel, ElementKind, FrequencyBound, Geometry, HistoryField, Hourglass,
-    Mat3, ModelError, NodalView, NodalViewMut, Operator, Quad, Stress, Vec3,
+    BlockContext, BlockEnergy, BlockFactory, BlockOptions, BlockOutput, BlockPart, BlockStiffness,
+    ElasticMedium, ElementBlock, ElementFault, ElementForces, ElementKernel, ElementKind,
+    FrequencyBound, Geometry, Hourglass, KernelArithmetic, ModelError, NodalView, NodalViewMut,
+    Operator, Quad, Stress, Vec3,
 };
 
 /// Makes plain blocks.
@@ -100,7 +101,21 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementBlock for Pl
         self.apply(Operator::Elastic, context.displacement, out);
         Ok(())
     }
-    fn commit(&mut self) {}
+    fn add_mass(&self, _out: &mut [f64]) {}
+    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
+        Vec::new()
+    }
+    fn stiffness(&self) -> Option<&dyn BlockStiffness> {
+        Some(self)
+    }
+    fn output(&self) -> Option<&dyn BlockOutput> {
+        Some(self)
+    }
+}
+
+impl<K: ElementKernel<N, P>, const N: usize, const P: usize> BlockStiffness
+    for PlainBlock<K, N, P>
+{
     fn apply(&self, _operator: Operator, x: NodalView, out: NodalViewMut) {
         let NodalViewMut::F64(out) = out else {
             panic!("plain blocks compute in double precision");
@@ -115,38 +130,27 @@ impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementBlock for Pl
             *out = Quad::from_vector(&sum);
         }
     }
-    fn diagonal(&self, _operator: Operator, _out: &mut [Mat3]) {}
-    fn add_mass(&self, _out: &mut [f64]) {}
-    fn frequency_bounds(&self) -> Vec<FrequencyBound> {
-        Vec::new()
+}
+
+impl<K: ElementKernel<N, P>, const N: usize, const P: usize> BlockOutput for PlainBlock<K, N, P> {
+    fn energy(&self, _context: &BlockContext) -> BlockEnergy {
+        BlockEnergy::default()
     }
-    fn stiffness_damping(&self) -> f64 {
-        0.0
+    fn element_forces(&self) -> Option<&dyn ElementForces> {
+        Some(self)
     }
-    fn mass_damping(&self) -> f64 {
-        0.0
-    }
-    fn set_active(&mut self, _active: &[bool]) {}
-    fn set_reference_displacement(&mut self, _displacement: NodalView) {}
-    fn set_initial_stress(&mut self, _stress: &[Stress]) {}
-    fn add_stress(&self, _displacement: NodalView, _out: &mut [Stress]) {}
-    fn element_forces(
+}
+
+impl<K: ElementKernel<N, P>, const N: usize, const P: usize> ElementForces for PlainBlock<K, N, P> {
+    fn write_forces(
         &self,
         index: usize,
         displacement: NodalView,
         _initial: &Stress,
         out: &mut [Vec3],
-    ) -> bool {
+    ) {
         for (out, force) in out.iter_mut().zip(self.forces_of(index, &displacement)) {
             *out = Vec3::from(force);
         }
-        true
     }
-    fn energy(&self, _context: &BlockContext) -> BlockEnergy {
-        BlockEnergy::default()
-    }
-    fn history(&self) -> Vec<HistoryField> {
-        Vec::new()
-    }
-    fn set_history(&mut self, _fields: &[HistoryField]) {}
 }

@@ -80,7 +80,7 @@ fn preloads() {
         let (mesh, joint) = twin(&halves());
         let scene = cube_scene_of(mesh, &["lower", "upper"]).joint(joint.with_preload(preload));
         let simulation = scene.prepare().unwrap();
-        let joints = simulation.model().joints();
+        let joints = simulation.model().output().unwrap().joints();
         let view = &joints[0];
         for (pair, record) in view.pairs.iter().zip(view.records) {
             let carried = pair.to_global(&record.traction);
@@ -154,7 +154,7 @@ fn a_meshed_gap_is_the_distance_of_the_nodes() {
     let scene = cube_scene_of(apart, &["lower", "upper"]).joint(joint);
     let simulation = scene.with_duration(1e-9).prepare().unwrap();
     let model = simulation.model();
-    let joints = model.joints();
+    let joints = model.output().unwrap().joints();
     let view = &joints[0];
     for (pair, record) in view.pairs.iter().zip(view.records) {
         let x = simulation.mesh().positions()[pair.nodes[0] as usize].x;

@@ -7,7 +7,7 @@ use powerhouse_elements::BoltSet;
 use powerhouse_model::{
     EXCESS_PORE_PRESSURE, EngineModel, HandOverReport, HistoryField, HistoryVariable, Mesh,
     ModelError, ModelSpec, Stage, StageError, StageEvent, StageModel, StageReport, State,
-    StaticError, StaticProgress, Stress,
+    StaticError, StaticMethod, StaticProgress, Stress,
 };
 
 use super::list::renewal;
@@ -140,7 +140,10 @@ impl Staging {
         if bolts.peek().is_none() {
             return Vec::new();
         }
-        let state = model.state();
+        let Some(stateful) = model.stateful() else {
+            return Vec::new();
+        };
+        let state = stateful.state();
         let forces = bolts.filter_map(|bolts| BoltForces::of(bolts, &self.scene.mesh, &state));
         forces.collect()
     }
@@ -272,7 +275,10 @@ impl Staging {
                     sink.progress(stage, progress);
                 }
             }
-            StageEvent::Equilibrated { model, .. } => stress = model.stress_changes(),
+            StageEvent::Equilibrated { model, .. } => {
+                let output = model.output();
+                stress = output.map_or_else(Vec::new, |output| output.stress_changes());
+            }
             _ => {}
         };
         let (state, mut reports) = self
@@ -379,14 +385,21 @@ impl Staging {
         let spec = ModelSpec::new(&scene.mesh).start(state);
         let found = scene.moving(spec, &self.pieces, Some(&self.timeline), &mut Vec::new())?;
         let mut model = scene.engine.build(found.spec)?;
-        for joint in &scene.joints {
-            if let Some(renewal) = renewal_of(&joint.name) {
-                model.renew_joint(&joint.name, renewal);
+        if let Some(stateful) = model.stateful() {
+            for joint in &scene.joints {
+                if let Some(renewal) = renewal_of(&joint.name) {
+                    stateful.renew_joint(&joint.name, renewal);
+                }
             }
         }
-        let report = model
-            .hand_over(tolerance)
-            .map_err(|source| Error::HandOver { source })?;
+        let report = match model.statics() {
+            Some(statics) => statics.hand_over(tolerance),
+            None => Err(StaticError::NoMethod {
+                engine: scene.engine.name().into(),
+                method: StaticMethod::default().name(),
+            }),
+        };
+        let report = report.map_err(|source| Error::HandOver { source })?;
         Ok((model, report))
     }
 
@@ -407,7 +420,10 @@ impl Staging {
         renewed.sort_unstable();
         let spec = ModelSpec::new(&scene.mesh).start(state.clone());
         let model = scene.engine.build(self.static_model(spec, last)?)?;
-        let changes = model.stress_changes();
+        let output = model.output();
+        let changes = output
+            .ok_or_else(|| ModelError::lacking("stresses"))?
+            .stress_changes();
         let mut stress = state.initial_stress.clone();
         stress.resize(scene.mesh.element_count(), Stress::default());
         let slope = state.initial_slope.clone();
