@@ -5,10 +5,11 @@ use std::sync::Arc;
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::{StaticOptions, Support};
 use powerhouse::material::LinearElastic;
-use powerhouse::model::{Axis, ElasticMedium, Mesh, Vec3};
-use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
+use powerhouse::model::{Axis, ElasticMedium, Mesh, PeriodicPairs, Rayleigh, Vec3};
+use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
-    Boundary, FileScene, Material, Mirror, Parity, Part, Registry, Scene, SceneStage, TimeStep,
+    Boundary, Damping, FileScene, Material, Mirror, Parity, Part, Registry, Scene, SceneStage,
+    TimeStep,
 };
 use powerhouse_study::check;
 use powerhouse_study::saving::{Change, Saving};
@@ -134,6 +135,64 @@ fn halves_need_a_mirror_image() {
             .iter()
             .any(|saving| matches!(saving.change, Change::Slice { .. }))
     );
+}
+
+/// A long body under waves along it needs one layer with delayed sides, whose elements and steps are those that are predicted; not where
+/// a wave is past its critical angle, the section is not constant or damping follows the stiffness.
+#[test]
+fn a_long_body_under_waves_along_it_is_a_slice() {
+    let along = |mesh: Mesh, incidence: f64, faces: &[&str]| {
+        let mut parameters = PlaneWaveParameters::vertical(WaveKind::SV, ROCK, 0.0);
+        parameters.reference = mesh.bounding_box().0;
+        parameters.incidence = Angle::from_degrees(incidence);
+        parameters.azimuth = Angle::from_degrees(70.0);
+        let pulse = Arc::new(SmoothPulse::new(0.01, 0.2).unwrap());
+        let wave = PlaneWave::new(parameters, pulse).unwrap();
+        let boundary = Boundary::new(ViscousSpring::default(), faces.iter().copied());
+        Scene::new("ground", mesh)
+            .with_plane_waves(vec![wave])
+            .unwrap()
+            .with_boundary(boundary.with_scatterer(TOP - Vec3::new(0.0, 0.0, 15.0)))
+            .with_duration(0.4)
+    };
+    let part = || Part::new("rock", rock());
+    let proposed = |scene: Scene| {
+        let savings = check(scene).unwrap().savings;
+        let is_slice = |saving: &Saving| matches!(saving.change, Change::DelayedSlice { .. });
+        savings.into_iter().find(is_slice)
+    };
+    for incidence in [10.0, 25.0, 31.0] {
+        let [steps, elements] = counts(along(ground(1.0), incidence, &SIDES).part(part()));
+        let saving = proposed(along(ground(1.0), incidence, &SIDES).part(part())).unwrap();
+        let Change::DelayedSlice { at } = saving.change else {
+            panic!("{saving:?}");
+        };
+        let layer = ground(1.0).plane_slice(Axis::Y, at).unwrap();
+        let [front, back] =
+            ["front", "back"].map(|side| layer.nodes_of_facets(layer.facet_set(side).unwrap()));
+        let pairs = PeriodicPairs::by_translation(&layer, &front, &back, 1e-6).unwrap();
+        let slice = along(layer, incidence, &["left", "right", "bottom"]).part(part());
+        let found = counts(slice.with_delayed_sides(pairs));
+        assert_eq!(found[1] / elements, saving.elements);
+        let ratio = found[0] / steps / saving.steps;
+        assert!((0.85..1.1).contains(&ratio), "{incidence}: {ratio}");
+        assert!(saving.time < 0.5, "{saving}");
+    }
+    assert!(proposed(along(ground(1.0), 45.0, &SIDES).part(part())).is_none());
+    let damped = part().with_damping(Damping::Rayleigh(Rayleigh {
+        mass: 0.0,
+        stiffness: 1e-4,
+    }));
+    assert!(proposed(along(ground(1.0), 25.0, &SIDES).part(damped)).is_none());
+    let mut mesh = ground(1.0);
+    let corner = mesh.elements_in_box(&Vec3::new(0.0, 0.0, -60.0), &Vec3::new(30.0, 30.0, 0.0));
+    let rest = (0..mesh.element_count() as u32).filter(|e| !corner.contains(e));
+    let rest = rest.collect();
+    mesh.set_element_set("corner", corner).unwrap();
+    mesh.set_element_set("rest", rest).unwrap();
+    let parts = ["corner", "rest"].map(|set| Part::new(set, rock()));
+    let [corner, rest] = parts;
+    assert!(proposed(along(mesh, 25.0, &SIDES).part(corner).part(rest)).is_none());
 }
 
 /// A body with a constant section needs one layer, nearer faces leave the predicted number of elements, and a few thin

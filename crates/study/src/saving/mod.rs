@@ -10,9 +10,10 @@
 //! scene that is not in double precision is compared with itself in double precision.
 //!
 //! *Only changes that the scene allows are named*: half of a body needs a mesh, parts and waves with a mirror image, a
-//! slice needs a constant section along an axis, and nearer faces need a scatterer whose waves can be predicted. Loads,
+//! slice needs a constant section along an axis (with delayed sides along y, under waves of one slowness along it), and nearer faces need a scatterer whose waves can be predicted. Loads,
 //! supports and bolts are not compared with their mirror images, and the text of the change says so.
 
+mod delayed;
 mod shape;
 mod variant;
 mod window;
@@ -82,6 +83,12 @@ pub enum Change {
         /// Coordinate of the layer along the axis (m).
         at: f64,
     },
+    /// One layer of elements with delayed sides, of a body with a constant section along y under waves that travel along it, if
+    /// loads are constant along y too, which is not examined.
+    DelayedSlice {
+        /// Coordinate of the layer along y (m).
+        at: f64,
+    },
     /// Absorbing faces nearer to the structure.
     NearerFaces {
         /// Factor on the distances of the faces from the structure, below 1.
@@ -119,6 +126,10 @@ impl fmt::Display for Change {
                 f,
                 "one layer of elements (`slice = {{ across = \"{}\", at = {at} }}`), if loads and supports are constant along the axis",
                 axis.name()
+            ),
+            Self::DelayedSlice { at } => write!(
+                f,
+                "one layer of elements under waves along it (`slice = {{ across = \"y\", at = {at} }}`, and `[[support]] kind = \"delayed\"` in place of what is at the ends along y), if loads are constant along the axis"
             ),
             Self::NearerFaces { share } => {
                 write!(

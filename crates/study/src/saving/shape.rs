@@ -6,7 +6,7 @@ use powerhouse::Scene;
 use powerhouse::model::{Axis, Mesh, Vec3};
 use powerhouse::wavefield::WaveKind;
 
-use super::{BY_COUNT, Change, PredictedError, Saving};
+use super::{BY_COUNT, Change, PredictedError, Saving, delayed};
 use crate::StudyError;
 use crate::advice::{BoxReduction, Excitation, kind_of, predicted_error};
 
@@ -31,8 +31,15 @@ pub(super) fn savings(scene: &Scene) -> Result<Vec<Saving>, StudyError> {
         savings.extend(slice(scene, axis)?);
         savings.extend(half(scene, axis)?);
     }
+    if !savings.iter().any(is_slice_along_y) {
+        savings.extend(delayed::slice(scene)?);
+    }
     savings.extend(nearer_faces(scene)?);
     Ok(savings)
+}
+
+fn is_slice_along_y(saving: &Saving) -> bool {
+    matches!(saving.change, Change::Slice { axis: Axis::Y, .. })
 }
 
 fn of_elements(change: Change, elements: f64, error: PredictedError) -> Saving {
@@ -67,12 +74,16 @@ fn absorbs_along(scene: &Scene, axis: Axis) -> Result<bool, StudyError> {
     Ok(facets.any(|facet| mesh.facet_geometry(*facet).normal().iamax() == axis.index()))
 }
 
-/// Saving by one layer of a body with a constant section along an axis; none with joints or bolts.
-fn slice(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
+/// Whether there are joints or bolts.
+pub(super) fn is_crossed(scene: &Scene) -> Result<bool, StudyError> {
     let stages = scene.stage_overviews()?;
     let bolted = stages.iter().any(|stage| !stage.bolts.is_empty());
-    let held = scene.joints().count() > 0 || bolted || absorbs_along(scene, axis)?;
-    if held || !travels_across(scene, axis) {
+    Ok(scene.joints().count() > 0 || bolted)
+}
+
+/// Saving by one layer of a body with a constant section along an axis; none with joints or bolts.
+fn slice(scene: &Scene, axis: Axis) -> Result<Option<Saving>, StudyError> {
+    if is_crossed(scene)? || absorbs_along(scene, axis)? || !travels_across(scene, axis) {
         return Ok(None);
     }
     let mesh = scene.mesh();
@@ -108,7 +119,7 @@ fn sets_of_elements(mesh: &Mesh) -> Vec<Vec<usize>> {
 }
 
 /// Whether all elements of each column along an axis belong to the same sets.
-fn is_same_along(mesh: &Mesh, axis: Axis) -> bool {
+pub(super) fn is_same_along(mesh: &Mesh, axis: Axis) -> bool {
     let sets = sets_of_elements(mesh);
     let (low, high) = mesh.bounding_box();
     let cell = COLUMN * (high - low).norm();
