@@ -28,9 +28,7 @@ pub use tet4::Tet4;
 pub use tet10::Tet10;
 pub use wedge6::Wedge6;
 
-use powerhouse_model::{
-    BlockFactory, BlockOptions, ElementKernel, ElementKind, HistoryKernel, PointLaw, Vec3,
-};
+use powerhouse_model::{BlockFactory, BlockOptions, ElementKernel, ElementKind, PointLaw, Vec3};
 
 use crate::AnyLaw;
 use crate::block::of_any_law;
@@ -127,9 +125,9 @@ impl SolidKernel {
     /// Number of history variables of an element as a whole, with laws that have a history.
     pub fn own_history(self) -> usize {
         match self {
-            Self::Hex8Natural => HistoryKernel::<8, 1>::own_history(&Hex8Natural),
+            Self::Hex8Natural => powerhouse_model::HistoryKernel::<8, 1>::own_history(&Hex8Natural),
             Self::Hex8Eas => Hex8Eas::HISTORY,
-            Self::Pyramid5 => HistoryKernel::<5, 1>::own_history(&Pyramid5),
+            Self::Pyramid5 => powerhouse_model::HistoryKernel::<5, 1>::own_history(&Pyramid5),
             _ => 0,
         }
     }
