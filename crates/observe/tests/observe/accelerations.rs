@@ -324,8 +324,8 @@ fn envelopes_are_of_means() {
     }
 }
 
-/// A run that ends amid the motion, wherever in it, has no overshoot at its end: accelerations of a band do not exceed those of the
-/// motion.
+/// A run that ends amid the motion, wherever in it, has no overshoot at its end: accelerations of a band exceed those of the motion by
+/// half a hundredth at most, as the ripple of the filter and the half interval of its mirror allow, not by the 8 % of a sudden end.
 #[test]
 fn the_end_of_a_run_has_no_overshoot() {
     let mesh = block();
@@ -350,7 +350,7 @@ fn the_end_of_a_run_has_no_overshoot() {
         let late = late.filter(|(time, _)| **time > 0.5);
         let peak = late.map(|(_, a)| a.abs()).fold(0.0, f64::max);
         assert!(
-            (0.99..1.002).contains(&(peak / most)),
+            (0.99..1.005).contains(&(peak / most)),
             "{phase}: {}",
             peak / most
         );
