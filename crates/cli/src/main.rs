@@ -224,8 +224,8 @@ enum Command {
     /// Run a scene on finer meshes, too, and extrapolate its peaks, spectra, means and shares to vanishing element size, with error
     /// bands.
     Converge(converge::ConvergeArguments),
-    /// Write an HTML report of a sweep or a run; for a sweep, also print the test of the conclusions of Wang, Chen & Xiao
-    /// (2019) and the sensitivity to single parameters.
+    /// Write an HTML report of a sweep or a run; for a sweep, also print the sensitivity to single parameters, and for one of the
+    /// machine bay of Wang, Chen & Xiao (2019) the test of their conclusions.
     Report {
         /// Folder of the results.
         folder: PathBuf,

@@ -14,6 +14,7 @@ mod folders;
 mod kept;
 mod killed;
 mod manners;
+mod record_study;
 mod resume;
 #[cfg(unix)]
 mod streams;

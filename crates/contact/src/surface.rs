@@ -193,6 +193,7 @@ impl JointSurface {
                         let spacing = one.spacing.max(pair.spacing);
                         *one = JointPair::of_facets(nodes, sum, area)
                             .with_position(one.position)
+                            .with_water_pressure(one.water_pressure)
                             .with_spacing(spacing);
                         of.push(pair.nodes);
                         index

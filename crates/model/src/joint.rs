@@ -98,6 +98,9 @@ pub struct JointPair {
     /// Distance to the farthest of the neighbouring pairs along the joint (m), the size of the mesh there: the root of the
     /// area unless [`with_spacing`](Self::with_spacing) sets it, as pairs that are made of facets do.
     pub spacing: f64,
+    /// Pressure of the water in the joint at the pair (Pa, compression positive), zero in a dry one. Tractions of the pair are effective
+    /// ones, total traction plus this pressure along the normal; the pressure itself acts on both sides as a load of the model.
+    pub water_pressure: f64,
 }
 
 impl JointPair {
@@ -114,6 +117,7 @@ impl JointPair {
             projected_area: area,
             position: Vec3::zeros(),
             spacing: area.abs().sqrt(),
+            water_pressure: 0.0,
         }
     }
     /// Pair of several facets, given the sum of their vector areas (m2, along their outward normals) and
@@ -138,6 +142,14 @@ impl JointPair {
     #[must_use]
     pub fn with_spacing(self, spacing: f64) -> Self {
         Self { spacing, ..self }
+    }
+    /// Sets the pressure of the water in the joint at the pair (Pa, compression positive).
+    #[must_use]
+    pub fn with_water_pressure(self, water_pressure: f64) -> Self {
+        Self {
+            water_pressure,
+            ..self
+        }
     }
     /// Sets the two nodes (mesh indices), that of the first side first; normal and areas are kept.
     #[must_use]
@@ -172,7 +184,8 @@ impl JointPair {
 pub struct JointRecord {
     /// Contact state, bond and accumulated slip.
     pub state: JointState,
-    /// Traction on the first side (Pa): normal component, positive in tension, and two tangential ones.
+    /// Traction on the first side (Pa): normal component, positive in tension, and two tangential ones; the effective one of a pair with
+    /// [water](JointPair::water_pressure).
     pub traction: Vec3,
     /// Distance of the sides along the normal (m), negative where they overlap; from where the pair was
     /// [closed anew](Self::closed_at), if it was.

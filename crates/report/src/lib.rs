@@ -1,6 +1,7 @@
 //! Reports and pictures of results: one HTML page of a sweep or a run, motions as engineers read them, fields of snapshots.
 //!
-//! - [`write_report`] writes the results of a sweep or of a run to one self-contained HTML page.
+//! - [`write_report`] writes the results of a sweep or of a run to one self-contained HTML page; of a sweep over a set of records what
+//!   they have in common on a few pages, and every case on a page of its own.
 //! - [`motion`] measures recorded motions, [`floor`] draws spectra for the design of what floors carry, and [`fields`] draws what snapshots have, after a run.
 //! - [`sensitivity`](fn@sensitivity) compares the cases of a sweep that vary one parameter.
 //!
@@ -19,6 +20,7 @@ mod fourier;
 pub mod motion;
 mod motions;
 mod page;
+mod records;
 mod repetition;
 mod run_warnings;
 mod section;
@@ -102,11 +104,21 @@ pub fn write_report_with(
     sections: &[&dyn ReportSection],
 ) -> Result<PathBuf, StudyError> {
     let folder = folder.as_ref();
+    let file = folder.join(FILE);
     let page = match read_cases(folder)? {
-        Some(cases) if !cases.is_empty() => sweep::page(folder, &cases, sections)?,
+        Some(cases) if !cases.is_empty() => {
+            let page = sweep::page(folder, &cases, sections)?;
+            match records::found(folder)? {
+                None => page,
+                Some(found) => {
+                    let of_cases = folder.join(records::CASES_PAGE);
+                    write_text(&of_cases, &page.html())?;
+                    records::page(folder, &cases, &found)?
+                }
+            }
+        }
         _ => single::page(folder)?,
     };
-    let file = folder.join(FILE);
     write_text(&file, &page.html())?;
     Ok(file)
 }

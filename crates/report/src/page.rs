@@ -37,7 +37,10 @@ figcaption{font-size:.85rem;opacity:.8}
 .pair img{background:#fff}
 summary{cursor:pointer;padding:.2rem 0}
 pre{font-size:.78rem;background:var(--soft);padding:1rem;overflow-x:auto}
-@media print{body{max-width:none;padding:0;font-size:11pt}nav{display:none}h2{break-after:avoid}pre{white-space:pre-wrap}}
+@page{size:A4;margin:15mm}
+@media print{html{font-size:10pt}body{max-width:none;padding:0;font-size:10pt}nav{display:none}\
+h2{margin:1.2rem 0 .4rem;break-after:avoid}th,td{padding:.12rem .4rem}th,td,td:first-child{white-space:normal}.pair{grid-template-columns:1fr 1fr}tr{break-inside:avoid}\
+figure{margin:.4rem 0}pre{white-space:pre-wrap}}
 ";
 
 impl Page {

@@ -49,6 +49,12 @@ impl<'v> RunWarnings<'v> {
         Self::of(cases.iter().filter_map(named))
     }
 
+    /// All warnings with the names of the runs that have them.
+    pub(super) fn with_cases(&self) -> impl Iterator<Item = (&'v str, &[&'v str])> {
+        let all = self.all.iter();
+        all.map(|warning| (warning.text, &warning.cases[..]))
+    }
+
     /// The warnings about some topics (all topics for an empty list), as sentences with the runs that have them.
     pub(super) fn about(&self, topics: &[Topic]) -> Vec<String> {
         let own = self.all.iter().filter(|warning| {

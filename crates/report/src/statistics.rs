@@ -128,6 +128,28 @@ pub(super) fn curves(
     fitted.map(|fragility| curve(fragility, folder)).collect()
 }
 
+/// Mean intensities of groups of runs by rising intensity, and the shares of their runs that exceed the limit: runs of equal
+/// intensity are in one group, and each has a sixth of the runs at least, but for the last.
+fn observed(fragility: &FragilityResult) -> [Vec<f64>; 2] {
+    const GROUPS: usize = 6;
+    let least = fragility.runs.len().div_ceil(GROUPS);
+    let (mut intensities, mut shares) = (Vec::new(), Vec::new());
+    let mut rest = &fragility.runs[..];
+    while !rest.is_empty() {
+        let mut count = least.min(rest.len());
+        while count < rest.len() && rest[count].intensity == rest[count - 1].intensity {
+            count += 1;
+        }
+        let (group, others) = rest.split_at(count);
+        let sum: f64 = group.iter().map(|run| run.intensity).sum();
+        let exceeding = group.iter().filter(|run| run.exceeds).count();
+        intensities.push(sum / count as f64);
+        shares.push(exceeding as f64 / count as f64);
+        rest = others;
+    }
+    [intensities, shares]
+}
+
 fn curve(fragility: &FragilityResult, folder: &Path) -> Result<(PathBuf, String), StudyError> {
     let greatest = fragility.runs.iter().map(|run| run.intensity);
     let greatest = greatest.fold(0.0, f64::max);
@@ -139,6 +161,7 @@ fn curve(fragility: &FragilityResult, folder: &Path) -> Result<(PathBuf, String)
             .map_or(0.0, |curve| curve.probability(*place))
     };
     let probabilities: Vec<f64> = places.iter().map(probability).collect();
+    let groups = observed(fragility);
     let (label, unit) = match fragility.measure.split_once(" [") {
         Some((label, unit)) => (label, unit.trim_end_matches(']')),
         None => (fragility.measure.as_str(), ""),
@@ -150,11 +173,18 @@ fn curve(fragility: &FragilityResult, folder: &Path) -> Result<(PathBuf, String)
         panels: vec![PlotPanel {
             label: "probability of exceedance".into(),
             unit: String::new(),
-            curves: vec![PlotCurve {
-                name: &fragility.name,
-                x: &places,
-                y: &probabilities,
-            }],
+            curves: vec![
+                PlotCurve {
+                    name: &fragility.name,
+                    x: &places,
+                    y: &probabilities,
+                },
+                PlotCurve {
+                    name: "share of the runs",
+                    x: &groups[0],
+                    y: &groups[1],
+                },
+            ],
         }],
         gaps: Vec::new(),
     };

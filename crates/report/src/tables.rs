@@ -15,6 +15,15 @@ pub(super) fn header(names: &[&str]) -> Vec<String> {
 
 /// A sentence with the software and the mesh that reproduce a run, or the runs of a sweep.
 pub(super) fn repetition(summaries: &[&RunSummary]) -> String {
+    format!(
+        "{} The scene as it was run is at the end of this page; with it and the files that it names the results can be reproduced bit \
+         by bit.",
+        computed_by(summaries)
+    )
+}
+
+/// A sentence with the software and the mesh of runs.
+pub(super) fn computed_by(summaries: &[&RunSummary]) -> String {
     let meshes = summaries.iter();
     let meshes: Vec<[usize; 2]> = meshes.map(|run| [run.elements, run.nodes]).collect();
     let software = summaries.first().map_or("", |run| &run.software);
@@ -34,10 +43,7 @@ fn computed(software: &str, meshes: &[[usize; 2]]) -> String {
         true => format!("meshes of {elements} elements and {nodes} nodes"),
         false => format!("a mesh of {elements} elements and {nodes} nodes"),
     };
-    format!(
-        "Computed by {software} on {mesh}. The scene as it was run is at the end of this page; with it and the \
-         files that it names the results can be reproduced bit by bit."
-    )
+    format!("Computed by {software} on {mesh}.")
 }
 
 /// The table of cases: steps, times, energy residual and fingerprint.

@@ -20,7 +20,8 @@ use crate::vtu;
 /// (0 sticks, 1 slides, 2 open), `over the run` (0 held, 1 slid, 2 opened, 3 both) and `bond` (0 never,
 /// 1 intact, 2 broken, 3 softening), normal and shear traction and the components of both along the axes, opening and peak opening, accumulated slip, times of first slip and first crack (-1: never),
 /// energies of friction, bond and impact per area, history variables of the law by their names; where a
-/// stage closed the joint anew, `opening counted from` too, the distance of the sides then. Tips, where
+/// stage closed the joint anew, `opening counted from` too, the distance of the sides then; where it has water, `water pressure`,
+/// and the tractions are effective ones. Tips, where
 /// both sides share the node, have zeros. Facets of which a side is absent, beside an excavated room or a
 /// lining that is not cast yet, are left out.
 pub(crate) struct JointFacets {
@@ -116,7 +117,9 @@ impl JointFacets {
             let values = self.spread(|pair| value(&pairs[pair], &records[pair]));
             JointField::new(name, values)
         };
+        let wet = pairs.iter().any(|pair| pair.water_pressure != 0.0);
         let fields = FIELDS.iter().chain(anew.then_some(&CLOSED_AT));
+        let fields = fields.chain(wet.then_some(&WATER));
         let of_variable = |(v, variable): (usize, &HistoryVariable)| JointField {
             name: variable.name.into(),
             unit: vtu::unit(variable.unit),
@@ -224,7 +227,7 @@ pub(crate) fn scalars(fields: &JointFields) -> Vec<VtuField<'_>> {
 fn unit_of(name: &str) -> &'static str {
     match name {
         _ if name.starts_with("time") => "s",
-        _ if name.ends_with("traction") => "Pa",
+        _ if name.ends_with("traction") || name == "water pressure" => "Pa",
         _ if name.ends_with("energy") => "J/m2",
         "opening" | "peak opening" | "opening counted from" | "slip" => "m",
         _ => "",
@@ -254,6 +257,9 @@ pub(crate) const PICTURES: [(&str, &str, &[&str]); 5] = [
 
 /// Distance of the sides from which opening counts, where a stage closed a joint anew.
 const CLOSED_AT: (&str, Value) = ("opening counted from", |_, record| record.origin().x);
+
+/// Pressure of the water in a joint.
+const WATER: (&str, Value) = ("water pressure", |pair, _| pair.water_pressure);
 
 type Value = fn(&JointPair, &JointRecord) -> f64;
 

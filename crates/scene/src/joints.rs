@@ -7,7 +7,7 @@ use powerhouse_contact::Joint;
 use powerhouse_elements::{BoltSegment, BoltSet};
 use powerhouse_model::{ContactLaw, ElasticMedium, JointInput, PeriodicPairs, Vec3};
 
-use crate::joint::{Closing, NamedJoint, NamedSurface};
+use crate::joint::{Closing, NamedJoint, NamedSurface, WaterInJoints};
 use crate::{Error, Part, Remark, Scene, SceneBolts, SceneJoint, SceneRemark};
 use powerhouse_laws::Damping;
 
@@ -16,18 +16,20 @@ type Group = (Vec<u32>, Vec<NamedJoint>);
 
 impl Scene {
     /// Constraints of the joints, one for each group of joints with common nodes, directly or through others, and
-    /// the joint surfaces by name.
+    /// the joint surfaces by name, with the water in them.
     pub(crate) fn constraints_of_joints(
         &self,
         closing: impl Fn(&str) -> Closing,
+        water: &WaterInJoints,
     ) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), Error> {
         let mut groups: Vec<Group> = Vec::new();
         let mut surfaces = Vec::with_capacity(self.joints.len());
         let leads = PeriodicPairs::leads(&self.periodic);
-        for joint in &self.joints {
+        for (index, joint) in self.joints.iter().enumerate() {
             let law = self.law_of_joint(joint)?;
             let own = (closing(&joint.name), law);
-            let (joint, surface) = joint.build(&self.mesh, &leads, own)?;
+            let pressures = water.of_joint(index);
+            let (joint, surface) = joint.build(&self.mesh, &leads, own, pressures)?;
             let mut nodes: Vec<u32> = surface.1.pairs.iter().flat_map(|pair| pair.nodes).collect();
             let mut members = vec![joint];
             let (touching, apart) = (groups.into_iter()).partition::<Vec<_>, _>(|(others, _)| {
@@ -172,7 +174,7 @@ impl Scene {
 
 /// Increase of the strength of a sliding pair with its pressure (1), at rest without a bond; not a number for a law that never
 /// slides.
-fn sliding_friction(law: &dyn ContactLaw) -> f64 {
+pub(crate) fn sliding_friction(law: &dyn ContactLaw) -> f64 {
     let mut history = vec![0.0; law.history().len()];
     law.initial_history(&mut history);
     let state = law.initial();

@@ -74,7 +74,7 @@ pub use fibre_price::{FibreShift, InputShift, OF_FIBRES_ALONE};
 pub use first_of_set::FirstOfSet;
 pub use high_damping::HighDamping;
 pub use input_spectrum::EnergySpectrum;
-pub use joint::{GroundStress, InitialGap, JointZone, Preload, SceneJoint};
+pub use joint::{GroundStress, InitialGap, JointWater, JointZone, Preload, SceneJoint, WetJoint};
 pub use layers::LayerError;
 pub use magnitude::{Magnitude, MagnitudeOf, ProbableUnit};
 pub use memory::LawMemory;

@@ -9,7 +9,7 @@ use powerhouse_model::{
 };
 
 use crate::engine::Leapfrog;
-use crate::joint::{Closing, NamedSurface};
+use crate::joint::{Closing, NamedSurface, WaterInJoints};
 use crate::output::{Recordings, StateVariables, coarse_in_bending};
 use crate::places::placed;
 use crate::stage::{Staging, Timeline, last_renewal};
@@ -298,7 +298,18 @@ impl Scene {
             spec = spec.added_masses(mass.masses().iter().copied());
             remarks.push(Remark::AddedWater(report));
         }
-        let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own)?;
+        let last = timeline.and_then(Timeline::last);
+        for load in last.iter().flat_map(|last| &last.joint_loads) {
+            spec = spec.load(Box::new(load.clone()));
+        }
+        let in_joints = match last {
+            Some(last) => last.in_joints.clone(),
+            None => WaterInJoints::of(self).map_err(|source| Error::staging(None, source))?,
+        };
+        let wet = self.wet_joints(&in_joints, timeline.and_then(Timeline::water))?;
+        let wet = wet.into_iter().map(SceneRemark::WetJoint);
+        remarks.extend(wet.map(Remark::Scene));
+        let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own, &in_joints)?;
         for joint in joints {
             spec = spec.constraint(Box::new(joint) as Box<dyn Constraint>);
         }

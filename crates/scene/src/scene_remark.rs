@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use crate::high_damping::HighDamping;
 use crate::magnitude::Magnitude;
-use crate::{FibreChoice, FirstOfSet, StiffPart};
+use crate::{FibreChoice, FirstOfSet, StiffPart, WetJoint};
 
-/// Warning about an implausible value or combination in a scene that can be computed nevertheless, or the fact
+/// Warning about an implausible value or combination in a scene that can be computed nevertheless, or a fact, such as
 /// [`MeshFile`](Self::MeshFile).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -18,6 +18,8 @@ pub enum SceneRemark {
     Magnitude(Magnitude),
     /// Fact: viscosity of a part at the highest frequencies of its elements.
     HighDamping(HighDamping),
+    /// Water in a joint, or a warning about water beside a dry one.
+    WetJoint(WetJoint),
     /// Warning: P waves of a part of a slice with delayed sides are faster than the motion along y, or nearly so.
     StiffPart(StiffPart),
     /// Warning: bodies under gravity that nothing restrains along it (no support, prescribed motion or boundary spring
@@ -250,6 +252,9 @@ impl SceneRemark {
         if let Self::Fibres(choice) = self {
             return choice.falls_short();
         }
+        if let Self::WetJoint(joint) = self {
+            return joint.is_warning();
+        }
         !matches!(
             self,
             Self::ChangedKeys { .. }
@@ -279,6 +284,7 @@ impl fmt::Display for SceneRemark {
             Self::Magnitude(magnitude) => magnitude.fmt(f),
             Self::HighDamping(high) => high.fmt(f),
             Self::StiffPart(stiff) => stiff.fmt(f),
+            Self::WetJoint(joint) => joint.fmt(f),
             Self::UnsupportedBody { sets } => write!(
                 f,
                 "the body of {} is under gravity and has no support: it falls; give it supports, or a stage in which it reaches static equilibrium",

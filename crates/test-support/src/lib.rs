@@ -1,9 +1,13 @@
-//! What tests of several crates share: temporary folders, a scene.
+//! What tests of several crates share: temporary folders, a scene, strong motions.
+
+mod motion;
 
 use std::ffi::OsStr;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+pub use motion::{MOTION_STEP, motion_text, part_of_motion, synthetic_motion};
 
 /// Scene (TOML) with everything that a run can have, with paths as from `data/scenes`.
 pub const EVERYTHING: &str = include_str!("everything.toml");

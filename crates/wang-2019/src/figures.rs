@@ -87,19 +87,24 @@ const COMPARED: [Figure; 8] = [
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Comparison;
 
+impl Comparison {
+    /// Whether outcomes are those of the paper's machine bay: one has its monitoring point A.
+    pub fn concerns<'o>(outcomes: impl IntoIterator<Item = &'o CaseOutcome>) -> bool {
+        outcomes.into_iter().any(|outcome| {
+            at_crown(&outcome.stresses)
+                .or(at_crown(&outcome.displacements))
+                .is_some()
+        })
+    }
+}
+
 impl ReportSection for Comparison {
     fn title(&self) -> &'static str {
         "Comparison with the paper"
     }
 
     fn items(&self, cases: &[ReportCase]) -> Vec<ReportItem> {
-        let has_crown = |case: &ReportCase| {
-            let outcome = &case.outcome;
-            at_crown(&outcome.stresses)
-                .or(at_crown(&outcome.displacements))
-                .is_some()
-        };
-        if !cases.iter().any(has_crown) {
+        if !Self::concerns(cases.iter().map(|case| &case.outcome)) {
             return Vec::new();
         }
         let outcomes: Vec<CaseOutcome> = cases.iter().map(|case| case.outcome.clone()).collect();

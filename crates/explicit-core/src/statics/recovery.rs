@@ -6,6 +6,8 @@
 //! stresses of the elements around the node as a linear function of position, as in superconvergent patch recovery
 //! (Zienkiewicz & Zhu 1992), which is exact for a stress that is linear over the patch. At rollers it has no shear along them.
 //!
+//! Where the joint has water, its pressure is added: the stress is the total one, and joints bear the effective one.
+//!
 //! What is cast against stressed ground is free of stress, and so is the joint between them: its tractions are those of the stress in
 //! the side that was cast last. A joint that was grouted later than both sides were there bears none of the stress that they had
 //! before; it has no such tractions.
@@ -102,7 +104,9 @@ impl Model {
             });
             let tractions: Vec<Vec3> = tractions.collect();
             let mean = tractions.iter().sum::<Vec3>() / tractions.len() as f64;
-            record.reference = Some(pair.geometry.to_local(&mean).into());
+            // The stress is the total one, the traction of a pair the effective one.
+            let water = Vec3::x() * pair.geometry.water_pressure;
+            record.reference = Some((pair.geometry.to_local(&mean) + water).into());
         }
         self.put_references(joints, strongest)
     }

@@ -57,7 +57,7 @@ pub(super) fn svg(plot: &Plot) -> String {
             let _ = writeln!(
                 out,
                 "<path {} d=\"M{x} {y}h{SAMPLE}\"/><text x=\"{}\" y=\"{}\">{}</text>",
-                style(curve),
+                style(panel, curve),
                 x + SAMPLE + 6.0,
                 y + 4.5,
                 escaped(panel.curves[curve].name)
@@ -86,8 +86,8 @@ fn head(height: f64) -> String {
             "\n<style>text{{font:13px system-ui,sans-serif;fill:#222}}.title{{font-size:16px}}",
             ".back{{fill:#fff}}.grid{{stroke:#e2e2e2;fill:none}}.zero{{stroke:#999}}",
             ".frame{{stroke:#888;fill:none}}.curve{{fill:none;stroke-width:1.4;",
-            "stroke-linejoin:round;stroke-linecap:round}}{light}@media(prefers-color-scheme:dark){{text{{fill:#ddd}}",
-            ".back{{fill:#17191d}}.grid{{stroke:#30343a}}.zero{{stroke:#777}}{dark}}}</style>\n",
+            "stroke-linejoin:round;stroke-linecap:round}}.faint{{stroke:#aaa;stroke-width:.7}}{light}@media(prefers-color-scheme:dark){{text{{fill:#ddd}}",
+            ".back{{fill:#17191d}}.grid{{stroke:#30343a}}.zero{{stroke:#777}}.faint{{stroke:#666}}{dark}}}</style>\n",
             "<rect class=\"back\" width=\"{width}\" height=\"{height}\"/>\n"
         ),
         width = WIDTH,
@@ -97,7 +97,13 @@ fn head(height: f64) -> String {
     )
 }
 
-fn style(curve: usize) -> String {
+/// Style of a curve: those without a name are faint, the others differ in the order of their names.
+fn style(panel: &PlotPanel, index: usize) -> String {
+    if panel.curves[index].name.is_empty() {
+        return r#"class="curve faint""#.into();
+    }
+    let before = panel.curves[..index].iter();
+    let curve = before.filter(|curve| !curve.name.is_empty()).count();
     let colour = curve % COLOURS.len();
     let dash = DASHES[curve / COLOURS.len() % DASHES.len()];
     if dash.is_empty() {
@@ -129,7 +135,8 @@ fn scale_of<'a>(
 fn legend(panel: &PlotPanel) -> Vec<(usize, f64, f64)> {
     let (mut x, mut row) = (LEFT, 0.0);
     let mut entries = Vec::new();
-    for (index, curve) in panel.curves.iter().enumerate() {
+    let curves = panel.curves.iter().enumerate();
+    for (index, curve) in curves.filter(|(_, curve)| !curve.name.is_empty()) {
         let width = SAMPLE + 6.0 + LETTER * curve.name.chars().count() as f64 + 16.0;
         if x > LEFT && x + width > WIDTH - RIGHT {
             (x, row) = (LEFT, row + 1.0);
@@ -197,7 +204,15 @@ fn draw_panel(
             vertical.text(mark)
         );
     }
-    for (index, curve) in panel.curves.iter().enumerate() {
+    // Faint curves are behind the others.
+    let is_faint = |index: &usize| panel.curves[*index].name.is_empty();
+    let all = 0..panel.curves.len();
+    let order = all
+        .clone()
+        .filter(is_faint)
+        .chain(all.filter(|index| !is_faint(index)));
+    for index in order {
+        let curve = &panel.curves[index];
         let point = |i: usize| {
             let (across, up) = (horizontal.share(curve.x[i]), vertical.share(curve.y[i]));
             (x_of(across), y_of(up))
@@ -209,7 +224,7 @@ fn draw_panel(
         let drawn: String = pieces
             .map(|(start, end)| path((start..end).map(point)))
             .collect();
-        let _ = writeln!(out, r#"<path {} d="{drawn}"/>"#, style(index));
+        let _ = writeln!(out, r#"<path {} d="{drawn}"/>"#, style(panel, index));
     }
     let _ = writeln!(
         out,

@@ -10,7 +10,7 @@ use crate::{IoError, TableColumn, write_whole};
 /// Curve of a plot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlotCurve<'a> {
-    /// Name in the legend.
+    /// Name in the legend; empty for a faint grey curve without an entry, as one of many.
     pub name: &'a str,
     /// Positions along the horizontal axis.
     pub x: &'a [f64],

@@ -21,6 +21,7 @@ mod implausible;
 mod joint_history;
 mod joint_output;
 mod joint_starts;
+mod joint_water;
 mod joints;
 mod kept_bodies;
 mod key_changes;

@@ -3,10 +3,13 @@
 use powerhouse_contact::{JointSurface, SurfaceOptions};
 use powerhouse_model::{ContactLaw, Facet, Mesh, Stress};
 
+use super::pore_water::{PressureKeys, water_pressure};
 use super::{Names, check_reach, no_such_set, one_of, vector};
 use crate::Registry;
 use crate::spec::{self, At, Finite, Gap, JointSection, Positive, Zone};
-use powerhouse_scene::{Fault, GroundStress, InitialGap, JointZone, Preload, Problem, SceneJoint};
+use powerhouse_scene::{
+    Fault, GroundStress, InitialGap, JointWater, JointZone, Preload, Problem, SceneJoint,
+};
 
 /// Doubles the nodes of a mesh between the sets of its joints, and pairs the nodes of the two sides of all joints.
 pub(super) fn joints(
@@ -78,6 +81,16 @@ fn start(names: &Names, section: &JointSection, joint: &mut SceneJoint) -> Resul
     for zone in section.unbonded.iter().flatten() {
         joint.unbonded.push(self::zone(names, zone, zone.span())?);
         check(joint, zone.span())?;
+    }
+    if let Some(water) = &section.water {
+        let keys = PressureKeys {
+            level: water.level.as_ref(),
+            pressures: water.pressures.as_ref(),
+            density: water.density,
+        };
+        let at_rest = water_pressure(water.span(), keys)?;
+        joint.water = Some(at_rest.map_or_else(JointWater::default, JointWater::new));
+        check(joint, water.span())?;
     }
     if let Some(preload) = &section.preload {
         joint.preload = Some(self::preload(preload)?);

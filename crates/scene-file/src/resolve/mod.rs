@@ -37,6 +37,7 @@ use powerhouse_scene::{
 pub(crate) use draft::Draft;
 pub use mesh::read_mesh;
 pub(crate) use record::processed_records;
+pub(crate) use target::target_spectrum;
 
 /// Composes the scene of a file.
 pub(crate) fn compose(

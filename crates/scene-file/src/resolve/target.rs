@@ -8,7 +8,8 @@ use powerhouse_wavefield::{
 
 use super::{one_of, ordered};
 use crate::spec::{
-    At, Ground8, NonNegative, Positive, Record, RecordSpectrum, Share, Site, SpectrumMeans, Target,
+    At, Ground8, NonNegative, Positive, Record, RecordSpectrum, SceneSpec, Share, Site,
+    SpectrumMeans, Target,
 };
 
 /// Damping ratio of a spectrum that names none.
@@ -119,6 +120,18 @@ impl<'t> SpectrumOfRecord<'t> {
             wavelets,
         })
     }
+}
+
+/// Target spectrum of a record of a scene, by its name, with the band of periods (s).
+pub(crate) fn target_spectrum(
+    file: &SceneSpec,
+    record: &str,
+) -> Result<Option<(DesignSpectrum, [f64; 2])>, Fault> {
+    let Some(table) = file.records.iter().find(|table| *table.name == *record) else {
+        return Ok(None);
+    };
+    let found = SpectrumOfRecord::of(table)?;
+    Ok(found.map(|found| (found.target, [found.band.shortest, found.band.longest])))
 }
 
 /// Whether a part of a record of several parts is a horizontal component; a record of one part is taken for one.

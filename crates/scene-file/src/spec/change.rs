@@ -34,6 +34,7 @@ const OF_KIND: [(&str, &str, &[&str]); 3] = [
             "tolerance",
             "corner",
             "preload",
+            "water",
             "gap",
             "unbonded",
         ],

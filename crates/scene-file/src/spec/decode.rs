@@ -44,6 +44,7 @@ const JOINT: Open = (
         "corner",
         "law",
         "preload",
+        "water",
         "gap",
         "unbonded",
     ],

@@ -12,7 +12,7 @@ use crate::{KeyChange, Registry, resolve};
 use powerhouse_scene::internal::{NamedThing, check_names};
 use powerhouse_scene::magnitude::Magnitude;
 use powerhouse_scene::{Error, Fault, Problem, SceneFault, SceneText};
-use powerhouse_wavefield::TimeHistory;
+use powerhouse_wavefield::{DesignSpectrum, TimeHistory};
 
 /// Largest size of a scene file (bytes).
 const LARGEST: u64 = 64 << 20;
@@ -211,6 +211,17 @@ impl SceneSpec {
     ) -> Result<BTreeMap<String, TimeHistory>, Error> {
         let records = resolve::processed_records(self.file().text(), self, registry);
         records.map_err(|fault| self.file().fault(fault).in_case(self.case()))
+    }
+    /// Spectrum to which a record of the scene is brought, with the band of periods (s); none for a record without one.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a spectrum that is not defined.
+    pub fn target_spectrum(
+        &self,
+        record: &str,
+    ) -> Result<Option<(DesignSpectrum, [f64; 2])>, Error> {
+        let found = resolve::target_spectrum(self, record);
+        found.map_err(|fault| self.file().fault(fault).in_case(self.case()))
     }
     /// Checks the keys of laws and boundaries with the registry.
     fn check_registered(&self, registry: &Registry) -> Result<(), Fault> {

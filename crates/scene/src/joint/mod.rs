@@ -1,9 +1,14 @@
 //! Joints of a scene: sides, contact law and initial conditions.
 
 mod preload;
+mod water;
+mod wet;
 mod zone;
 
 pub use preload::{GroundStress, Preload};
+pub use water::JointWater;
+pub(crate) use water::{JointWaterLoad, WaterInJoints};
+pub use wet::WetJoint;
 pub use zone::JointZone;
 
 use std::collections::{HashMap, HashSet};
@@ -66,8 +71,10 @@ pub struct SceneJoint {
     /// Contact law, which decides on the traction that each pair admits.
     pub law: Arc<dyn ContactLaw>,
     /// Traction in the static state from which displacements count, if any; not permitted in a scene with stages, which
-    /// compute it.
+    /// compute it. It is the total traction, also of a joint with water.
     pub preload: Option<Preload>,
+    /// Water in the joint, if any.
+    pub water: Option<JointWater>,
     /// Initial gap between the sides along the normal: closed, uniform, or as meshed.
     pub gap: InitialGap,
     /// Zones of the joint whose pairs start without a bond, such as an existing crack.
@@ -86,9 +93,16 @@ impl SceneJoint {
             surface,
             law: Arc::new(law),
             preload: None,
+            water: None,
             gap: InitialGap::Closed,
             unbonded: Vec::new(),
         }
+    }
+    /// Puts water into the joint.
+    #[must_use]
+    pub fn with_water(mut self, water: JointWater) -> Self {
+        self.water = Some(water);
+        self
     }
     /// Sets the traction in the static state from which displacements count. The traction by motion adds to
     /// it.
@@ -112,20 +126,33 @@ impl SceneJoint {
 
     /// Checks that its pairs permit the initial conditions.
     pub fn check(&self, mesh: &Mesh) -> Result<(), Error> {
-        let start = self.start(mesh, &self.surface)?;
-        start.joint(mesh, (&self.name, &self.surface), self.law.as_ref())?;
+        let pressures = self.pressures_at_start(mesh);
+        let pressures = pressures.map_err(|source| Error::staging(None, source))?;
+        let surface = self.wet_surface(&pressures);
+        let start = self.start(mesh, &surface)?;
+        start.joint(mesh, (&self.name, &surface), self.law.as_ref())?;
         Ok(())
     }
 
-    /// Builds the joint in its initial state by a law, and its sides, in a body some nodes of which share the motion of
-    /// others, their leads.
+    /// Its sides with pressures of the water (Pa) at the pairs; none in a dry joint.
+    fn wet_surface(&self, pressures: &[f64]) -> JointSurface {
+        let mut surface = self.surface.clone();
+        for (pair, pressure) in surface.pairs.iter_mut().zip(pressures) {
+            pair.water_pressure = *pressure;
+        }
+        surface
+    }
+
+    /// Builds the joint in its initial state by a law, and its sides, with pressures of the water at the pairs, in a body some nodes of
+    /// which share the motion of others, their leads.
     pub(crate) fn build(
         &self,
         mesh: &Mesh,
         leads: &HashMap<u32, u32>,
         (closing, law): (Closing, Arc<dyn ContactLaw>),
+        pressures: &[f64],
     ) -> Result<(NamedJoint, NamedSurface), Error> {
-        let mut surface = self.surface.clone();
+        let mut surface = self.wet_surface(pressures);
         if !leads.is_empty() {
             let lead = |node: u32| leads.get(&node).copied().unwrap_or(node);
             surface = surface.united(lead);
@@ -198,7 +225,8 @@ impl Start {
             };
             joint.with_preload(|pair| {
                 let position = positions[pair.nodes[0] as usize];
-                preload.traction(&position, &pair.normal)
+                let total = preload.traction(&position, &pair.normal);
+                total + pair.normal * pair.water_pressure
             })
         };
         build().map_err(|error| of_joint(mesh, name, error))

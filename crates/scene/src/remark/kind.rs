@@ -39,7 +39,9 @@ impl Remark {
             Self::LargeSlip { .. }
             | Self::JointRenewed { .. }
             | Self::ReducedStrength { .. }
-            | Self::Scene(SceneRemark::UndampedFriction { .. }) => Topic::Joints,
+            | Self::Scene(SceneRemark::UndampedFriction { .. } | SceneRemark::WetJoint(_)) => {
+                Topic::Joints
+            }
             Self::Hourglass { .. } | Self::CrackEnergy { .. } => Topic::Energy,
             Self::NoState { .. }
             | Self::Undersampled { .. }

@@ -120,9 +120,9 @@ pub enum StagingError {
         /// First stage in which the load acts.
         first: String,
     },
-    /// Water level of an element set without present elements that have water in their pores.
+    /// Water level of an element set without present elements that have water in their pores and without joints with water beside it.
     #[error(
-        "no element of set '{set}' is active in this stage and has water in its pores: give its material `pore_water`"
+        "no element of set '{set}' is active in this stage and has water in its pores, and no joint beside it has `water`: give its material `pore_water`"
     )]
     NoWater {
         /// Element set.
@@ -163,13 +163,35 @@ pub enum StagingError {
         /// Lowest and highest height of the table (m).
         range: [f64; 2],
     },
+    /// Node pair of a joint that is beside two sets with different water levels in one stage.
+    #[error(
+        "joint '{joint}' has node pairs beside set '{set}' that have another water level in the same stage already, as beside another set"
+    )]
+    TwoLevelsOfJoint {
+        /// Name of the joint.
+        joint: String,
+        /// Element set of the second level.
+        set: String,
+    },
+    /// Node pair of a joint with water whose height is not in a table of pressures.
+    #[error(
+        "joint '{joint}' has a node pair at z = {height} m, and the table of pressures reaches from {} to {} m", range[0], range[1]
+    )]
+    JointBeyondTable {
+        /// Name of the joint.
+        joint: String,
+        /// Height z of the pair (m).
+        height: f64,
+        /// Lowest and highest height of the table (m).
+        range: [f64; 2],
+    },
     /// Water level in an undrained stage.
     #[error(
         "a water level in an undrained stage: where no water flows the level cannot change; let a drained stage come before"
     )]
     UndrainedLevel,
     /// Undrained stage, or a water level, of a body without water in its pores.
-    #[error("{what} in a body without water in its pores: give a material `pore_water`")]
+    #[error("{what} in a body without water in pores or joints: give a material `pore_water`")]
     Dry {
         /// Key that concerns water: `undrained` or `water`.
         key: &'static str,
@@ -204,12 +226,12 @@ pub enum StagingError {
         /// Name of the constraint.
         name: String,
     },
-    /// In-situ stress or bolts in a scene without stages.
+    /// In-situ stress, bolts, or a joint with water and without a preload in a scene without stages.
     #[error(
         "{what} can be used only in a scene with stages: add a stage, in which the body reaches static equilibrium"
     )]
     NoStage {
-        /// Subject: `an in-situ stress` or `bolts`.
+        /// Subject: `an in-situ stress`, `bolts` or `a joint with water and without a preload`.
         what: &'static str,
     },
 }
@@ -230,7 +252,9 @@ impl StagingError {
             Self::NoWater { set }
             | Self::TwoLevels { set, .. }
             | Self::LevelOfCast { set, .. }
-            | Self::BeyondTable { set, .. } => ("water", set),
+            | Self::BeyondTable { set, .. }
+            | Self::TwoLevelsOfJoint { set, .. } => ("water", set),
+            Self::JointBeyondTable { joint, .. } => ("joint", joint),
             Self::TwoGeneralLevels | Self::UndrainedLevel => ("water", ""),
             Self::Dry { key, .. } => (key, ""),
             Self::NoSuchJoint { name } => ("joint", name),

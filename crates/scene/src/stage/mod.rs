@@ -24,4 +24,4 @@ pub(crate) use solution::SolutionStates;
 pub use solution::{StageCheckpointSink, StageSolution};
 pub use timeline::{Timeline, check_removal};
 pub use water::StageWater;
-pub(crate) use water::WaterAtRest;
+pub(crate) use water::{WaterAtRest, elements_of_level};

@@ -353,7 +353,11 @@ impl Staging {
             spec = spec.support(support.clone());
         }
         let closing = |name: &str| scene.stages[index].closing(name);
-        for joint in scene.constraints_of_joints(closing)?.0 {
+        for load in &configuration.joint_loads {
+            spec = spec.load(Box::new(load.clone()));
+        }
+        let joints = scene.constraints_of_joints(closing, &configuration.in_joints)?;
+        for joint in joints.0 {
             spec = spec.constraint(Box::new(joint));
         }
         for bolts in self.timeline.bolts(index + 1) {

@@ -8,6 +8,7 @@ use powerhouse_model::{Mesh, Renewal, State};
 use super::list::renewal;
 use super::water::{PressureChange, WaterAtRest, WaterSoFar, WetElements};
 use super::{SceneStage, StagingError};
+use crate::joint::{JointWaterLoad, WaterInJoints};
 use crate::{Error, InitialMotion, Scene};
 use powerhouse_laws::Material;
 
@@ -29,6 +30,9 @@ pub(crate) struct Configuration {
     pub(crate) pressure_changes: Vec<PressureChange>,
     /// Water in pores after them.
     pub(crate) water: WaterAtRest,
+    /// Water in joints after them, and its loads.
+    pub(crate) in_joints: WaterInJoints,
+    pub(crate) joint_loads: Vec<JointWaterLoad>,
 }
 
 /// Sequence of the configurations of all stages of a scene.
@@ -58,6 +62,7 @@ impl Timeline {
             installed: Vec::new(),
             bolted: HashMap::new(),
             water: WaterSoFar::default(),
+            in_joints: WaterInJoints::of(scene).map_err(|source| Error::staging(None, source))?,
         };
         for &element in &absent {
             found.present[element as usize] = false;
@@ -101,6 +106,11 @@ impl Timeline {
         self.configurations
             .last()
             .map(|configuration| &configuration.water)
+    }
+
+    /// Configuration after the last stage, that of the dynamic run.
+    pub(crate) fn last(&self) -> Option<&Configuration> {
+        self.configurations.last()
     }
 
     /// Bolt groups of the given number of stages, in order of installation.
@@ -148,9 +158,13 @@ fn check(scene: &Scene) -> Result<(), StagingError> {
         check_removal(&scene.stages, 0, name)?;
     }
     if scene.stages.is_empty() {
+        let water = WaterInJoints::of(scene)?;
         let what = match (&scene.in_situ_stress, &scene.bolts[..]) {
             (Some(_), _) => "an in-situ stress",
             (None, [_, ..]) => "bolts",
+            (None, []) if water.unloaded(scene).is_some() => {
+                "a joint with water and without a preload"
+            }
             (None, []) => return Ok(()),
         };
         return Err(StagingError::NoStage { what });
@@ -239,6 +253,7 @@ struct Progress<'s> {
     /// Name of the bolt group that crosses an element.
     bolted: HashMap<u32, String>,
     water: WaterSoFar,
+    in_joints: WaterInJoints,
 }
 
 impl Progress<'_> {
@@ -279,6 +294,8 @@ impl Progress<'_> {
             renewed: renewed.collect(),
             pressure_changes,
             water: self.water.at_rest(&scene.mesh, stage.drainage),
+            in_joints: self.in_joints.clone(),
+            joint_loads: self.in_joints.loads(scene, &self.present),
         })
     }
 
@@ -357,6 +374,7 @@ impl Progress<'_> {
         if stage.water.is_empty() && cast.is_empty() && !is_undrained {
             return Ok(Vec::new());
         }
+        let in_joints = self.in_joints.advance(self.scene, stage)?;
         let mesh = &*self.scene.mesh;
         let mut water = vec![None; mesh.element_count()];
         let mut is_dry = true;
@@ -371,7 +389,9 @@ impl Progress<'_> {
                 (water[element as usize], is_dry) = (Some(own), false);
             }
         }
-        let general = stage.water.iter().any(|level| level.set.is_none());
+        let levels = stage.water.iter().zip(&in_joints);
+        let mut of_ground = levels.filter(|(_, in_joints)| !**in_joints);
+        let general = of_ground.any(|(level, _)| level.set.is_none());
         if is_dry && (is_undrained || general) {
             let (key, what) = match is_undrained {
                 true => ("undrained", "an undrained stage"),
@@ -379,8 +399,15 @@ impl Progress<'_> {
             };
             return Err(StagingError::Dry { key, what });
         }
-        self.water
-            .advance(stage, &WetElements { mesh, cast, water })
+        self.water.advance(
+            stage,
+            &WetElements {
+                mesh,
+                cast,
+                water,
+                in_joints: &in_joints,
+            },
+        )
     }
 
     fn install(&mut self, stage: &SceneStage) -> Result<Vec<BoltSet>, StageFault> {

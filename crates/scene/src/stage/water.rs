@@ -87,6 +87,13 @@ pub(super) struct WetElements<'a> {
     pub(super) cast: &'a [u32],
     /// The water in each element that is present and has some.
     pub(super) water: Vec<Option<&'a PoreWater>>,
+    /// Which levels of the stage are those of a joint.
+    pub(super) in_joints: &'a [bool],
+}
+
+/// Elements of the set of a water level.
+pub(crate) fn elements_of_level<'m>(mesh: &'m Mesh, set: &str) -> Result<&'m [u32], StagingError> {
+    super::timeline::elements(mesh, set, "water")
 }
 
 impl WaterSoFar {
@@ -100,12 +107,12 @@ impl WaterSoFar {
         let count = wet.mesh.element_count();
         let is_cast = |element: u32| wet.cast.binary_search(&element).is_ok();
         let mut levels: Vec<Option<&StageWater>> = vec![None; count];
-        for level in &stage.water {
+        for (level, in_joints) in stage.water.iter().zip(wet.in_joints) {
             let Some(set) = &level.set else {
                 continue;
             };
-            let elements = super::timeline::elements(wet.mesh, set, "water")?;
-            let mut found = false;
+            let elements = elements_of_level(wet.mesh, set)?;
+            let mut found = *in_joints;
             for &element in elements {
                 let index = element as usize;
                 if wet.water[index].is_none() {

@@ -33,6 +33,7 @@ mod processes;
 mod ranks;
 mod record_set;
 mod sections;
+mod spectra;
 mod statistics;
 mod table;
 mod workers;
@@ -70,6 +71,7 @@ use processes::SharedFolder;
 pub use record_set::STATISTICS;
 use record_set::SweepSet;
 pub use sections::{SectionExtremes, Utilisation};
+pub use spectra::{SetSpectra, SpectrumOfRecord, TargetSpectrum};
 pub use statistics::{
     FigureStatistics, FragilityResult, FragilityRun, ScaleStatistics, SectionEnvelope,
     SetStatistics,

@@ -160,6 +160,11 @@ impl CaseOutcome {
         }
     }
 
+    /// The results by which cases are compared, with their names and units, as the columns of `sweep.csv`.
+    pub fn figures(&self) -> Vec<(String, f64)> {
+        super::table::figures(self)
+    }
+
     /// Reads an outcome from its JSON file.
     ///
     /// # Errors

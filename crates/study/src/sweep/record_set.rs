@@ -6,11 +6,11 @@ use std::fs;
 use powerhouse::io::write_summary;
 use powerhouse::model::ModelError;
 use powerhouse::spec::{FragilityCurve, RecordCase};
-use powerhouse::wavefield::TimeHistory;
+use powerhouse::wavefield::{DesignSpectrum, TimeHistory};
 use powerhouse::{Registry, SceneFile};
 
 use super::processes::SharedFolder;
-use super::{SetStatistics, Sweep};
+use super::{SetSpectra, SetStatistics, Sweep};
 use crate::StudyError;
 
 /// Name of the statistics of a set of records in the folder of the sweep.
@@ -39,6 +39,8 @@ pub(super) struct SweepSet {
     cases: Vec<RecordCase>,
     /// Records by their names.
     records: BTreeMap<String, SetRecord>,
+    /// Spectrum to which they are brought, with the band of periods (s).
+    target: Option<(DesignSpectrum, [f64; 2])>,
 }
 
 impl SweepSet {
@@ -55,12 +57,17 @@ impl SweepSet {
         };
         let (name, curves) = (set.name.to_string(), set.fragility.clone());
         let mut records = BTreeMap::new();
+        let mut target = None;
         for (index, case) in cases.iter().enumerate() {
             let next = cases.get(index + 1);
             if next.is_some_and(|next| next.record == case.record) {
                 continue;
             }
-            let all = file.spec(Some(&case.case))?.processed_records(registry)?;
+            let scene = file.spec(Some(&case.case))?;
+            if target.is_none() {
+                target = scene.target_spectrum(&name)?;
+            }
+            let all = scene.processed_records(registry)?;
             let own = all.into_iter().filter_map(|(record, history)| {
                 Some((part_of(&name, &record)?.to_owned(), history))
             });
@@ -78,6 +85,7 @@ impl SweepSet {
             curves,
             cases: cases.to_vec(),
             records,
+            target,
         }))
     }
 
@@ -92,6 +100,14 @@ impl SweepSet {
             of.map(move |(part, history)| (format!("{name}{part}"), history.clone()))
         })
     }
+    /// Response spectra of its records.
+    fn spectra(&self) -> Result<SetSpectra, StudyError> {
+        let records = self
+            .records
+            .iter()
+            .map(|(name, record)| (name.as_str(), record.scale, horizontal(&record.components)));
+        SetSpectra::of(records, self.target.as_ref())
+    }
     /// Intensity of the scaled record of a case by the measure of a curve (m/s2).
     fn intensity(&self, case: &RecordCase, curve: usize) -> Option<f64> {
         let record = self.records.get(&case.record)?;
@@ -105,11 +121,18 @@ fn part_of<'n>(set: &str, record: &'n str) -> Option<&'n str> {
     (part.is_empty() || part.starts_with('.')).then_some(part)
 }
 
+/// Horizontal components of a record; of one component that one.
+fn horizontal(components: &Components) -> Vec<&TimeHistory> {
+    let is_horizontal = |part: &str| components.len() == 1 || part != ".z";
+    let all = components.iter();
+    let horizontal = all.filter(|(part, _)| is_horizontal(part));
+    horizontal.map(|(_, history)| history).collect()
+}
+
 /// Intensity of a record by the measure of a curve (m/s2): of two horizontal components the geometric mean.
 fn intensity(components: &Components, curve: &FragilityCurve) -> Result<f64, StudyError> {
-    let is_horizontal = |part: &str| components.len() == 1 || part != ".z";
-    let horizontal = components.iter().filter(|(part, _)| is_horizontal(part));
-    let measured = horizontal.map(|(_, history)| match curve.period {
+    let measured = horizontal(components).into_iter();
+    let measured = measured.map(|history| match curve.period {
         None => Ok(history.report().peak_acceleration),
         Some(period) => {
             let spectrum = history.response_spectrum(DAMPING, &[period.get()]);
@@ -134,9 +157,9 @@ impl Sweep {
         let outcomes = self.finished_outcomes()?;
         let intensity = |case: &RecordCase, curve: usize| set.intensity(case, curve);
         let of = (set.name.as_str(), &set.curves[..]);
-        Ok(Some(SetStatistics::of(
-            of, &set.cases, &outcomes, intensity,
-        )))
+        let spectra = set.spectra()?;
+        let found = SetStatistics::of(of, Some(spectra), &set.cases, &outcomes, intensity);
+        Ok(Some(found))
     }
 
     /// Writes the statistics of the set of records, or removes those of a set that the scene had before.

@@ -9,7 +9,7 @@ use powerhouse::io::csv_cell;
 use powerhouse::spec::{FragilityCurve, RecordCase};
 use serde::{Deserialize, Serialize};
 
-use super::{CaseOutcome, SectionExtremes, table, write_text};
+use super::{CaseOutcome, SectionExtremes, SetSpectra, table, write_text};
 use crate::StudyError;
 use crate::fragility::{LognormalFragility, Stripe};
 use crate::json::read_json;
@@ -24,6 +24,9 @@ pub struct SetStatistics {
     pub scales: Vec<ScaleStatistics>,
     /// Fragility curves that the set requests.
     pub fragility: Vec<FragilityResult>,
+    /// Response spectra of the records; none of statistics that were written before they had them.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub spectra: Option<SetSpectra>,
 }
 
 /// Statistics over the records of a set at one scale.
@@ -33,6 +36,9 @@ pub struct ScaleStatistics {
     pub scale: f64,
     /// Number of finished cases.
     pub finished: usize,
+    /// Their names; none in statistics that were written before they had them.
+    #[serde(default)]
+    pub cases: Vec<String>,
     /// Names of the cases without results: failed, interrupted, or not run.
     pub missing: Vec<String>,
     /// Fractiles of each result of the cases.
@@ -110,6 +116,7 @@ impl SetStatistics {
     /// Statistics of the finished cases of a set; `intensity` is that of a case by the measure of a curve, by its index.
     pub(super) fn of(
         (set, curves): (&str, &[FragilityCurve]),
+        spectra: Option<SetSpectra>,
         cases: &[RecordCase],
         outcomes: &[CaseOutcome],
         intensity: impl Fn(&RecordCase, usize) -> Option<f64>,
@@ -125,6 +132,7 @@ impl SetStatistics {
             ScaleStatistics {
                 scale,
                 finished: finished.len(),
+                cases: finished.iter().map(|of| of.name.clone()).collect(),
                 missing: missing.map(|case| case.case.clone()).collect(),
                 figures: figures(&finished),
                 envelopes: envelopes(&finished),
@@ -139,6 +147,7 @@ impl SetStatistics {
             set: set.into(),
             fragility: fragility.collect(),
             scales: scales.into_iter().map(at).collect(),
+            spectra,
         }
     }
 
@@ -511,7 +520,13 @@ mod tests {
             outcome("c-x1", 20.0, Some(8.0), r#"{ "of": 0.75 }"#),
             outcome("other", 1e6, Some(1e6), r#""beyond""#),
         ];
-        let found = SetStatistics::of(("set", &[]), cases.as_flattened(), &outcomes, |_, _| None);
+        let found = SetStatistics::of(
+            ("set", &[]),
+            None,
+            cases.as_flattened(),
+            &outcomes,
+            |_, _| None,
+        );
         let [at_one, at_three] = &found.scales[..] else {
             panic!("{found:?}");
         };

@@ -10,6 +10,7 @@ mod record_sets;
 mod report;
 mod running;
 mod sections;
+mod thirty;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};

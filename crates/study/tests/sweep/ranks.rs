@@ -6,6 +6,7 @@ use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::model::ThreadRanks;
 
 use super::*;
+use powerhouse_test_support::{motion_text, synthetic_motion};
 
 /// What rank 0 has of a sweep: its outcomes or its error, and the counts of its callbacks.
 struct Led {
@@ -129,4 +130,63 @@ fn failures_and_interruptions_end_all_ranks() {
         refused.contains("case 'steep': model: 3 ranks need as many blocks"),
         "{refused}"
     );
+}
+
+/// A set of records under which a joint slips, computed by two ranks together, has the files, the statistics and the fragility of one
+/// process.
+#[test]
+fn ranks_compute_a_set_of_records() {
+    let never = Arc::new(AtomicBool::new(false));
+    let cases = SCENE.find("[[case]]").unwrap();
+    let mut scene = SCENE[..cases].to_owned();
+    for (old, new) in [
+        (
+            "kind = \"p\"\nincidence = 0\npulse = { kind = \"smooth\", displacement = 0.01, duration = 0.1 }",
+            "kind = \"sv\"\nincidence = 20\nrecord = \"motions\"",
+        ),
+        ("cohesion = 1e6\ntensile_strength = 1e6\n", ""),
+        ("duration = 0.05", "duration = 1"),
+    ] {
+        assert!(scene.contains(old), "{old}");
+        scene = scene.replace(old, new);
+    }
+    scene += "[[record_set]]\nname = \"motions\"\nfolder = \"motions\"\nunits = \"m/s2\"\nconvention = \"incident\"\n\
+              scales = [1, 4]\n[[record_set.fragility]]\nname = \"slip\"\nfigure = \"joint seam slip\"\nlimit = 1e-4\n";
+    let folder = |name: &str| {
+        let folder = Folder::new(name);
+        std::fs::create_dir(folder.0.join("motions")).unwrap();
+        for number in 1..=3 {
+            let text = motion_text(&synthetic_motion(number));
+            std::fs::write(folder.0.join(format!("motions/r{number}.txt")), text).unwrap();
+        }
+        std::fs::write(folder.scene(), &scene).unwrap();
+        folder
+    };
+    let alone = folder("ranks-set-alone");
+    let expected = alone.sweep().run(None, &mut NoProgress).unwrap();
+    assert!(expected.iter().any(|case| case.joints[0].slip > 1e-5));
+    let together = folder("ranks-set-two");
+    let led = on_ranks(&together, 2, &never);
+    assert_eq!(timeless(&led.outcomes.unwrap()), timeless(&expected));
+    let timed = [
+        "summary.json",
+        "outcome.json",
+        "finished.json",
+        "sweep.csv",
+        "cases.json",
+    ];
+    let mut compared = 0;
+    for case in expected.iter().map(|case| case.name.as_str()).chain([""]) {
+        let files = |folder: &Folder| files_in(&folder.0.join("out").join(case));
+        let (found, expected) = (files(&together), files(&alone));
+        assert!(found.keys().eq(expected.keys()));
+        for (name, content) in &expected {
+            assert!(
+                timed.contains(&&**name) || found[name] == *content,
+                "{case}/{name}"
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared > 40, "{compared}");
 }
