@@ -173,10 +173,7 @@ pub trait KernelArithmetic<const N: usize, const P: usize>: ElementKernel<N, P> 
         moduli: [L; 2],
         modes: &[[L; 3]; N],
     ) -> Option<[[L; 3]; N]> {
-        match self.modal() {
-            Some(modal) => modal.elastic_forces(geometry, moduli, modes),
-            None => None,
-        }
+        self.modal()?.elastic_forces(geometry, moduli, modes)
     }
     /// Hourglass moduli (Pa) of an undamaged medium; none without hourglass forces.
     fn hourglass_moduli(&self, medium: &ElasticMedium) -> Option<[f64; 3]> {
@@ -191,10 +188,8 @@ pub trait KernelArithmetic<const N: usize, const P: usize>: ElementKernel<N, P> 
         hourglass: &Hourglass<L>,
         modes: &[[L; 3]; N],
     ) -> Option<L> {
-        match self.hourglass() {
-            Some(own) => Some(own.hourglass_energy(geometry, hourglass, modes)),
-            None => None,
-        }
+        let own = self.hourglass()?;
+        Some(own.hourglass_energy(geometry, hourglass, modes))
     }
     /// Whether hourglass forces are those of the material in bending.
     #[inline(always)]
