@@ -17,7 +17,7 @@ use super::support::*;
 /// Extents of a body (m), whose joint is at half of its height, and numbers of bricks.
 const BODY: Vec3 = Vec3::new(4.0, 2.0, 2.0);
 const BRICKS: [usize; 3] = [4, 2, 4];
-const AREA: f64 = BODY.x * BODY.y;
+const AREA: f64 = 4.0 * 2.0;
 const GRAVITY: f64 = 9.81;
 /// Rock that does not widen under pressure, so that all pairs of a joint bear the same.
 const STRAIGHT: ElasticMedium = ElasticMedium {
@@ -68,6 +68,7 @@ fn halves_of(friction: f64, height: f64, place: impl Fn(Vec3) -> Vec3) -> Halves
 fn scene(mesh: Mesh, joint: SceneJoint, duration: f64, every: f64) -> Scene {
     let mut output = OutputPlan::default();
     output.every = every;
+    output.energies = Some(0.01);
     let scene = Scene::new("wet joint", mesh)
         .joint(joint)
         .with_duration(duration)
@@ -114,7 +115,7 @@ fn apart(one: &[Vec3], other: &[Vec3]) -> f64 {
 #[test]
 fn pairs_bear_effective_tractions_from_stage_to_stage() {
     let stress = Stress([-3e5, -4e5, -5e5, 2e4, -3e4, 5e4]);
-    for (dip, turn) in [(0.0, 0.0), (0.3, 0.0), (-0.5, 0.8)] {
+    for (dip, turn) in [(0.0, 0.0), (0.3, 0.0), (-0.4, 0.8)] {
         let place = |at: Vec3| {
             let middle = 1.0 - (at.z - 1.0).abs();
             let dipping = Vec3::new(at.x, at.y, at.z + dip * (at.x - 2.0) * middle);
@@ -179,7 +180,11 @@ fn pairs_bear_effective_tractions_from_stage_to_stage() {
             }
             assert!(table.records.iter().all(|record| record.state.slip == 0.0));
             assert!(results.hand_over.unwrap().difference < 1e-12);
-            assert!(results.energy_residual().unwrap_or(0.0) < 1e-9);
+            assert!(
+                results
+                    .energy_residual()
+                    .is_none_or(|residual| residual.largest < 1e-9)
+            );
             // A stress of 5e5 Pa moves the body by 1e-4 m.
             let still = results.energy_terms().into_iter();
             let kinetic = still.filter(|(name, _)| *name == "kinetic").map(|(_, e)| e);
@@ -194,8 +199,8 @@ fn pairs_bear_effective_tractions_from_stage_to_stage() {
 fn a_block_under_water_slides_by_effective_friction() {
     let (friction, normal, shear) = (0.6, 3e5, 6e4);
     for (dip, pressure) in [(0.0, 0.0), (0.35, 1e5), (-0.6, 1.5e5)] {
-        // Thin, so that a force on all of it bends nothing.
-        let height = 0.2;
+        // Thin, so that the force on its mass, half of the height above the joint, hardly unloads an edge.
+        let height = 0.06;
         let turn = Rotation3::from_euler_angles(0.0, dip, 0.0);
         let built = || halves_of(friction, height, |at| turn * at);
         let [across, along] = [Vec3::z(), Vec3::x()].map(|axis| turn * axis);
@@ -221,7 +226,8 @@ fn a_block_under_water_slides_by_effective_friction() {
         let (slides_at, end) = (0.5, 0.6);
         let scene = scene(mesh, wet(joint, shear), end, 1e-3)
             .support(Support::fixed(below))
-            .gravity(along * growth, |time: f64| time);
+            .gravity(along * growth, |time: f64| time)
+            .allow_magnitudes();
         let results = run(scene);
         let records = &results.joints[0].records;
         let first = records.iter().filter_map(|record| record.first_slip);
@@ -239,7 +245,7 @@ fn a_block_under_water_slides_by_effective_friction() {
                 "dip {dip}: {slip:e} {expected:e}"
             );
         }
-        let residual = results.energy_residual().unwrap();
+        let residual = results.energy_residual().unwrap().largest;
         assert!(residual < 1e-9, "{residual:e}");
     }
 }
@@ -317,7 +323,7 @@ fn a_block_lifts_off_when_the_uplift_exceeds_its_weight() {
             record.opening
         );
     }
-    assert!(results.energy_residual().unwrap() < 1e-9);
+    assert!(results.energy_residual().unwrap().largest < 1e-9);
 }
 
 /// A joint with water of a file is that of Rust; what it says, and what is refused, by name.
@@ -325,7 +331,7 @@ fn a_block_lifts_off_when_the_uplift_exceeds_its_weight() {
 fn files_and_refusals() {
     let folder = folder("joint-water");
     let with = |keys: &str| JOINT.replace("law =", &format!("{keys}\nlaw ="));
-    let preload = "preload = { kind = \"pressure\", pressure = 2e6 }\n";
+    let preload = "preload = { kind = \"pressure\", pressure = 1.05e6 }\n";
     let text = with(&format!(
         "water = {{ level = -50, density = 1030 }}\n{preload}"
     ));
@@ -334,7 +340,7 @@ fn files_and_refusals() {
     let level = WaterPressure::hydrostatic(-50.0, 1030.0 * GRAVITY).unwrap();
     let joint = joint
         .with_water(JointWater::new(level))
-        .with_preload(Preload::Pressure(2e6));
+        .with_preload(Preload::Pressure(1.05e6));
     let twin = cube_scene_of(mesh, &["lower", "upper"]).joint(joint);
     let simulation = scene.prepare().unwrap();
     let texts: Vec<String> = simulation.remarks().iter().map(Remark::to_string).collect();
@@ -343,7 +349,7 @@ fn files_and_refusals() {
     let (file, twin): (Results, Results) = (run(read(&folder, &text).unwrap()), run(twin));
     assert_eq!(file.histories, twin.histories);
     assert_eq!(file.joints, twin.joints);
-    // Half of the pressure is the water's: the joint slides further than the same one without.
+    // Most of the pressure is the water's: the joint slides further than the same one without.
     let dry = run(read(&folder, &with(preload)).unwrap());
     let slip = |results: &Results| {
         let records = results.joints[0].records.iter();
@@ -474,13 +480,11 @@ fn run_of(scene: Scene) -> Result<Results, Error> {
 /// has water, or no friction sees it.
 #[test]
 fn a_dry_joint_in_wet_ground_is_warned_of() {
-    let wet = Material::from(LinearElastic::new(ROCK))
-        .with_pore_water(
-            powerhouse::engine::PoreWater::new(2.2e9, 0.1)
-                .unwrap()
-                .with_pressure(uniform(2e5)),
-        )
-        .unwrap();
+    let wet = Material::from(LinearElastic::new(ROCK)).with_pore_water(
+        powerhouse::engine::PoreWater::new(2.2e9, 0.1)
+            .unwrap()
+            .with_pressure(uniform(2e5)),
+    );
     let warnings = |water: Option<JointWater>| -> Vec<String> {
         let Halves {
             mesh,
