@@ -104,6 +104,14 @@ impl FolderLock {
         Err(FolderError::Busy { folder, holder }.into())
     }
 
+    /// Removes the lock file that a killed run has left in a folder, if there is one and no run holds it.
+    pub fn remove_left(folder: &Path) {
+        if folder.join(LOCK).exists() {
+            // One that another run holds, or that cannot be removed, is harmless.
+            drop(Self::take(folder));
+        }
+    }
+
     /// Remark for the user: the lock of a killed run was taken over, or the file system has no locks.
     pub fn remark(&self) -> Option<&str> {
         self.remark.as_deref()

@@ -22,10 +22,15 @@ const PERIOD: f64 = 0.3;
 
 /// Motions of a number of records: a part of that of El Centro, and synthetic ones.
 fn motions(count: u64) -> Vec<(String, Vec<f64>)> {
-    let file = data("records/el_centro_1940_ns.csv");
-    let table = powerhouse::io::read_table(&file).unwrap();
-    let [times, accelerations] = [0, 1].map(|column| &table[column].values);
-    let el_centro = part_of_motion(accelerations, times[1] - times[0], 1.4);
+    let text = std::fs::read_to_string(data("records/el_centro_1940_ns.csv")).unwrap();
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    let row = |line: &str| -> [f64; 2] {
+        let (time, acceleration) = line.split_once(',').unwrap();
+        [time, acceleration].map(|number| number.parse().unwrap())
+    };
+    let rows: Vec<[f64; 2]> = rows.map(row).collect();
+    let accelerations: Vec<f64> = rows.iter().map(|row| row[1]).collect();
+    let el_centro = part_of_motion(&accelerations, rows[1][0] - rows[0][0], 1.4);
     let synthetic = (1..count).map(synthetic_motion);
     let all = std::iter::once(el_centro).chain(synthetic).zip(1..);
     all.map(|(motion, number)| (format!("m{number:02}"), motion))

@@ -99,6 +99,8 @@ impl Sweep {
     /// A folder that cannot be written to.
     pub(super) fn claim(&self, case: &str) -> Result<Claim, StudyError> {
         if self.is_finished(case) {
+            // A process may have been killed between the end of the case and that of its lock.
+            FolderLock::remove_left(&self.folder.join(case));
             return Ok(Claim::Finished);
         }
         match ResultFolder::new(self.folder.join(case)).lock() {

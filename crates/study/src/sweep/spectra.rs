@@ -15,7 +15,7 @@ const COUNT: usize = 61;
 /// Shares of the Arias intensity between which the significant duration is.
 const SIGNIFICANT: [f64; 2] = [0.05, 0.95];
 
-/// Response spectra of the records of a set at scale 1, with what else is told of motions. Of two horizontal components values are
+/// Response spectra of the records of a set at scale 1, with their peaks, intensities and durations. Of two horizontal components values are
 /// geometric means.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SetSpectra {

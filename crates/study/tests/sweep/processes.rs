@@ -81,6 +81,28 @@ fn a_case_that_is_held_comes_last() {
     assert!(matches!(stopped, Err(StudyError::Interrupted)));
 }
 
+/// A lock file that a killed process has left in the folder of a finished case is removed by the next sweep, and one that a run holds
+/// is not.
+#[test]
+fn left_locks_are_removed() {
+    let folder = Folder::new("left-lock");
+    let run = || {
+        let sweep = folder.sweep().only(&["steep".into()]).unwrap();
+        let sweep = sweep.with_duration(0.01).unwrap();
+        sweep.run(None, &mut NoProgress).unwrap()
+    };
+    let first = run();
+    let case = folder.0.join("out/steep");
+    let lock = case.join(".powerhouse-lock");
+    assert!(!lock.exists());
+    std::fs::write(&lock, "sweep begun by process 1").unwrap();
+    assert_eq!(run(), first);
+    assert!(!lock.exists());
+    let held = ResultFolder::new(&case).lock().unwrap();
+    assert_eq!(run(), first);
+    assert!(held.is_held());
+}
+
 /// A sweep with other inputs is refused while one runs in the folder.
 #[test]
 fn another_sweep_is_refused() {
