@@ -1,3 +1,4 @@
 //! What all crates share.
 
 mod mesh;
+mod sockets;
