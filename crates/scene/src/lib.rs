@@ -92,8 +92,8 @@ pub use program_sources::{ProgramSource, ProgramSources};
 pub use reduction::reduction_layer;
 pub use region::RegionError;
 pub use remark::{
-    EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial, Seepage, WaterDoubt,
-    WaterReason,
+    EquivalentLayer, RecordSpectrumReport, Remark, SaturatedMaterial, Seepage, WaterReason,
+    WaterWarning,
 };
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};

@@ -20,6 +20,13 @@ use fit::{fit, pseudo_acceleration};
 /// Period of the intensity of the second curve (s).
 const PERIOD: f64 = 0.3;
 
+/// A measure of a motion.
+type Intensity = fn(&[f64]) -> f64;
+
+fn peak(motion: &[f64]) -> f64 {
+    motion.iter().fold(0.0, |most, a| most.max(a.abs()))
+}
+
 /// Motions of a number of records: a part of that of El Centro, and synthetic ones.
 fn motions(count: u64) -> Vec<(String, Vec<f64>)> {
     let text = std::fs::read_to_string(data("records/el_centro_1940_ns.csv")).unwrap();
@@ -178,10 +185,9 @@ impl Study {
         let column = heads.iter().position(|head| *head == slip).unwrap();
         let rows: Vec<_> = lines.collect();
         let records = motions(self.records);
-        let intensities: [&dyn Fn(&[f64]) -> f64; 2] = [
-            &|motion| motion.iter().fold(0.0, |most, a| most.max(a.abs())),
-            &|motion| pseudo_acceleration(motion, MOTION_STEP, PERIOD),
-        ];
+        let intensities = [peak as Intensity, |motion| {
+            pseudo_acceleration(motion, MOTION_STEP, PERIOD)
+        }];
         assert_eq!(statistics.fragility.len(), 2);
         for (found, intensity) in statistics.fragility.iter().zip(intensities) {
             let mut runs = Vec::new();

@@ -335,7 +335,7 @@ fn stiff_parts_come_with_a_warning_up_to_a_bound() {
         "{refused}"
     );
     assert!(told(largest).is_ok());
-    // The wave past the critical angle is told the same.
+    // The refusal of a wave past the critical angle names the same.
     let past = told(45.0).unwrap_err();
     assert!(
         past.contains(&format!("of at most {largest:.1} degrees")),

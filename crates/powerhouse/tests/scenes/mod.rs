@@ -55,6 +55,6 @@ mod stages_at_rest;
 mod support;
 mod surroundings;
 mod undrained;
-mod water_doubts;
 mod water_results;
 mod water_stages;
+mod water_warnings;

@@ -16,12 +16,15 @@ use super::figures::{fractiles, shown};
 /// Longest period that is drawn of a set without a target, and the longest of the band over which more is drawn (s, 1).
 const DRAWN: f64 = 2.0;
 
+/// A number of a record.
+type Value = fn(&SpectrumOfRecord) -> f64;
+
 /// Adds the section, and writes the tables of all records.
 pub(super) fn add(page: &mut Page, spectra: &SetSpectra, folder: &Path) -> Result<(), StudyError> {
     write_tables(spectra, folder)?;
     page.section("Records");
     page.paragraph(&paragraph(spectra));
-    let rows: [(&str, fn(&SpectrumOfRecord) -> f64); 3] = [
+    let rows: [(&str, Value); 3] = [
         ("peak acceleration (m/s2)", |record| record.peak),
         ("Arias intensity (m/s)", |record| record.arias),
         ("5 to 95 % of it (s)", |record| record.duration),

@@ -18,7 +18,7 @@ mod stages;
 mod stations;
 mod target;
 mod unused;
-mod water_doubt;
+mod water_warning;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -176,8 +176,8 @@ pub(crate) fn compose(
     scene
         .remarks
         .extend(pore_water::waters(&mesh, file, &materials));
-    let doubts = water_doubt::doubts(&mesh, file, &materials, &scene.parts)?;
-    scene.remarks.extend(doubts);
+    let warnings = water_warning::warnings(&mesh, file, &materials, &scene.parts)?;
+    scene.remarks.extend(warnings);
     scene.remarks.extend(empty_sets(&names, file));
     let of_layers = equivalent_linear::apply(file, &mut scene, &records, &mut materials)?;
     scene = ground::field((text, file), scene, &records, &materials, &of_layers)?;

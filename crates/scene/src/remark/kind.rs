@@ -119,7 +119,7 @@ impl Remark {
             | Self::RecordFile { .. }
             | Self::OpenSide { .. }
             | Self::LoadedSurface { .. }
-            | Self::WaterDoubt(_)
+            | Self::WaterWarning(_)
             | Self::ReducedStrength { .. } => true,
             Self::RecordSource { .. }
             | Self::FlatDamping { .. }

@@ -6,12 +6,12 @@ mod record_spectrum;
 mod saturated;
 mod stations;
 mod text;
-mod water_doubt;
+mod water_warning;
 
 pub use equivalent_layer::EquivalentLayer;
 pub use record_spectrum::RecordSpectrumReport;
 pub use saturated::{SaturatedMaterial, Seepage};
-pub use water_doubt::{WaterDoubt, WaterReason};
+pub use water_warning::{WaterReason, WaterWarning};
 
 use powerhouse_model::{Renewal, Vec3};
 use powerhouse_observe::SectionPiece;
@@ -495,7 +495,7 @@ pub enum Remark {
     /// Fact: a material has water in its pores.
     PoreWater(SaturatedMaterial),
     /// Warning: water in the pores of a material is probably not what is meant.
-    WaterDoubt(WaterDoubt),
+    WaterWarning(WaterWarning),
     /// Added mass of water beside a facet set; a warning if the facets lean too much for its formula.
     AddedWater(AddedWater),
     /// Fact: elements of a part along the absorbing faces are elastic and undamped (rim).

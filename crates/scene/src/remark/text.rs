@@ -587,7 +587,7 @@ impl fmt::Display for Remark {
                 write!(f, "damping of part '{set}'{of}: {cost}")
             }
             Self::PoreWater(material) => write!(f, "{material}"),
-            Self::WaterDoubt(doubt) => write!(f, "{doubt}"),
+            Self::WaterWarning(warning) => write!(f, "{warning}"),
             Self::AddedWater(water) => write!(f, "{water}"),
             Self::Rim {
                 set,

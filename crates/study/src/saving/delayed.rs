@@ -63,17 +63,16 @@ pub(super) fn slice(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     }))
 }
 
-/// Slowness along y (s/m) of all waves; none if they have several, or are no plane waves in homogeneous ground below their critical
+/// Slowness along y (s/m) of all waves; none if they travel across it, have several, or are no plane waves in homogeneous ground below their critical
 /// angle.
 fn slowness_along_y(scene: &Scene) -> Option<f64> {
     let waves = scene.plane_waves();
-    let slowness = waves.iter().map(|wave| wave.parameters().slowness().y);
-    let first = slowness.clone().next()?;
-    let are_same = slowness.fold(true, |same, own| {
-        same && (own - first).abs() <= SAME * first.abs().max(own.abs())
-    });
+    let mut all = waves.iter().map(|wave| wave.parameters().slowness().y);
+    let first = all.next()?;
+    let are_same = all.all(|own| (own - first).abs() <= SAME * first.abs().max(own.abs()));
     let are_causal = waves.iter().all(|wave| wave.is_causal());
-    (are_same && are_causal).then_some(first)
+    // Across y a slice with rollers or periodic ends does.
+    (are_same && are_causal && first != 0.0).then_some(first)
 }
 
 /// Whether a slice with delayed sides takes the parts and the boundary of a scene.

@@ -50,6 +50,8 @@ every = 0.02
 [[output.history]]
 name = "inside"
 at = [60, 60, 60]
+[output.envelope]
+quantities = ["displacement", "stress"]
 [[output.section]]
 name = "cut"
 set = "rock"

@@ -1,17 +1,17 @@
-//! What is doubtful about water in the pores of a material.
+//! What is probably not what is meant about water in the pores of a material.
 
 use core::fmt;
 
-/// Material whose water is doubtful, and why.
+/// Material whose water is probably not what is meant, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WaterDoubt {
+pub struct WaterWarning {
     /// Name of the material.
     pub material: String,
     /// Why.
     pub reason: WaterReason,
 }
 
-/// Why water in the pores of a material is doubtful.
+/// Why water in the pores of a material is probably not what is meant.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum WaterReason {
@@ -57,7 +57,7 @@ pub enum WaterReason {
     },
 }
 
-impl fmt::Display for WaterDoubt {
+impl fmt::Display for WaterWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "material '{}': ", self.material)?;
         match &self.reason {

@@ -72,18 +72,18 @@ fn scene(changes: &[(&str, &str)]) -> FileScene {
         assert!(text.contains(old), "{old}");
         text = text.replace(old, new);
     }
-    let folder = Folder::new("water-doubts");
+    let folder = Folder::new("water-warnings");
     write_gmsh(folder.join("ground.msh"), &mesh()).unwrap();
     let path = folder.join("ground.toml");
     FileScene::from_toml(text, path, &Registry::default()).unwrap()
 }
 
-/// The doubts about water in a scene.
-fn doubts(changes: &[(&str, &str)]) -> Vec<String> {
+/// The warnings about water in a scene.
+fn warnings(changes: &[(&str, &str)]) -> Vec<String> {
     let scene = scene(changes);
     let remarks = scene.remarks().iter();
-    let doubts = remarks.filter(|remark| matches!(remark, Remark::WaterDoubt(_)));
-    doubts
+    let warnings = remarks.filter(|remark| matches!(remark, Remark::WaterWarning(_)));
+    warnings
         .map(|remark| {
             assert!(remark.is_warning());
             remark.to_string()
@@ -96,10 +96,10 @@ const SOFT: &str = "pore_water = { porosity = 0.4, level = -10, bulk_modulus = 2
 const PORES: &str = "pore_water = { porosity = 1, level = -10 }";
 const IN_SITU: &str = "\nwater = { level = -10 }";
 
-/// Each doubt has a warning of its own with the figure, and none comes where the water of ground and in-situ stress agree, in tables
+/// Each case has a warning of its own with the figure, and none comes where the water of ground and in-situ stress agree, in tables
 /// and levels, where the law of dry ground is linear, and where a load is under open water.
 #[test]
-fn doubts_about_water_are_warned_of_by_name() {
+fn water_that_is_not_meant_is_warned_of_by_name() {
     let other = "density = 2000\ncohesion = 5e3";
     for (changes, wanted) in [
         (
@@ -135,7 +135,7 @@ fn doubts_about_water_are_warned_of_by_name() {
             "z = 3 m is above the ground, which ends at 0 m",
         ),
     ] {
-        let found = doubts(&changes);
+        let found = warnings(&changes);
         let count = if wanted.contains("hex8-full") { 2 } else { 1 };
         assert_eq!(found.len(), count, "{wanted}: {found:#?}");
         assert!(
@@ -146,7 +146,7 @@ fn doubts_about_water_are_warned_of_by_name() {
     // The difference of ten metres of water is named where both have some.
     let scene = scene(&[(IN_SITU, "\nwater = { level = -20 }")]);
     let found = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::WaterDoubt(doubt) => Some(doubt.reason.clone()),
+        Remark::WaterWarning(warning) => Some(warning.reason.clone()),
         _ => None,
     });
     let Some(WaterReason::OtherPressure {
@@ -184,7 +184,7 @@ fn doubts_about_water_are_warned_of_by_name() {
             "material = \"soil\"\nkernel = \"hex8-b-bar\"",
         )],
     ] {
-        let found = doubts(&changes);
+        let found = warnings(&changes);
         assert!(found.is_empty(), "{changes:?}: {found:#?}");
     }
 }

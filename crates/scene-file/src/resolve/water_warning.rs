@@ -1,11 +1,11 @@
-//! Doubts about water in the pores of materials.
+//! Warnings about water in the pores of materials.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use powerhouse_elements::WaterPressure;
 use powerhouse_laws::Material;
 use powerhouse_model::{ElementKind, Mesh};
-use powerhouse_scene::{Fault, Part, Remark, WaterDoubt, WaterReason};
+use powerhouse_scene::{Fault, Part, Remark, WaterReason, WaterWarning};
 
 use super::stages;
 use crate::spec::{self, Load, SceneSpec};
@@ -22,14 +22,14 @@ const SAME_PRESSURE: f64 = 0.01;
 const WATER: f64 = 1000.0;
 
 /// Warnings about water in the pores of materials that is not what is meant.
-pub(super) fn doubts(
+pub(super) fn warnings(
     mesh: &Mesh,
     file: &SceneSpec,
     materials: &BTreeMap<String, Material>,
     parts: &[Part],
 ) -> Result<Vec<Remark>, Fault> {
     let in_situ = InSitu::of(file)?;
-    let mut doubts = Vec::new();
+    let mut warnings = Vec::new();
     for (name, material) in materials {
         let own = Ground {
             mesh,
@@ -41,14 +41,14 @@ pub(super) fn doubts(
         reasons.extend(own.locking(parts));
         reasons.extend(own.other_pressure(&in_situ));
         reasons.extend(own.above(&in_situ));
-        doubts.extend(reasons.into_iter().map(|reason| {
-            Remark::WaterDoubt(WaterDoubt {
+        warnings.extend(reasons.into_iter().map(|reason| {
+            Remark::WaterWarning(WaterWarning {
                 material: name.clone(),
                 reason,
             })
         }));
     }
-    Ok(doubts)
+    Ok(warnings)
 }
 
 /// Water of the in-situ stress.
@@ -97,7 +97,7 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// Doubts about the values of the material.
+    /// Warnings about the values of the material.
     fn of_values(&self) -> Vec<WaterReason> {
         let mut reasons = Vec::new();
         let table = (self.file.materials.iter()).find(|table| *table.name == *self.name);
