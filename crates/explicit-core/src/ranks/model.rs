@@ -20,7 +20,7 @@ use crate::{Model, run_reporting};
 ///
 /// What can be computed on several ranks: all elements, laws, boundary conditions, loads, absorbing boundaries, embedded
 /// elements and constraints; dynamic runs with the stable step and the energy balance, as far as constraints [divide their
-/// work](powerhouse_model::Constraint::divided_work); all observers that declare [what they
+/// work](powerhouse_model::DividedConstraint::divided_work); all observers that declare [what they
 /// read](powerhouse_model::Observer::reach); checkpoints, which rank 0 receives every sixteenth step at most. Not so profiles.
 ///
 /// ```
