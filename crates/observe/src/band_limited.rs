@@ -20,8 +20,9 @@ use super::{HistoryTable, ObserveError, Recording};
 /// less than 0.1 % is left. Rows are five to the period of the band, 2 ms apart at 100 Hz, so that straight lines between them are
 /// not yet the motion, but the sum of the sinusoids of all rows is.
 /// [Peaks](super::Column::peak) are those of twenty values to that period. A value depends on the four periods of the band
-/// before and behind it: the body counts as moving uniformly before its motion begins, and behind the last step its accelerations as those
-/// before it, mirrored, so that a run that ends amid the motion has no overshoot at its end. An observer of a motion that began before its first step has the first row four periods later.
+/// before and behind it: the body counts as moving uniformly before its motion begins, and behind the last step its
+/// accelerations as those before it, mirrored, so that a run that ends amid the motion has no overshoot at its end. An observer
+/// of a motion that began before its first step has the first row four periods later.
 ///
 /// Where the band has fewer than two steps to its period, it is divided by the least whole number that gives two.
 ///

@@ -343,11 +343,7 @@ impl Registry {
             .map_or(WATER_BULK_MODULUS, |k| k.get());
         let water = PoreWater::new(bulk_modulus, given.porosity.get());
         let water = water.map_err(|error| Fault::refused(given.span(), error))?;
-        let keys = PressureKeys {
-            level: given.level.as_ref(),
-            pressures: given.pressures.as_ref(),
-            density: given.density,
-        };
+        let keys = PressureKeys::new(&given.level, &given.pressures, given.density);
         let pressure = water_pressure(given.span(), keys)?;
         Ok(material.with_pore_water(match pressure {
             Some(pressure) => water.with_pressure(pressure),

@@ -4,7 +4,7 @@ use powerhouse_model::{PeriodicPairs, StiffElements, Vec3};
 use powerhouse_wavefield::{PlaneWave, WaveKind};
 use thiserror::Error;
 
-use crate::{Error, InitialMotion, Part, Scene};
+use crate::{Boundary, Error, InitialMotion, Part, Scene};
 use powerhouse_laws::Damping;
 
 /// Largest product of the slowness along y and the speed of P waves of a part: of the ground, up to which plane waves are
@@ -167,6 +167,24 @@ impl Scene {
         first.map_or(0.0, along_y)
     }
 
+    /// Speed of P waves of the fastest part over that of the motion along y (1) if a slice with delayed sides took the place of this body; none
+    /// where waves, parts or boundary have no place in such a slice, where it is not exact, or where waves travel across y.
+    pub fn ratio_in_delayed_slice(&self) -> Option<f64> {
+        let (first, boundary) = (self.waves.first()?, self.boundary.as_ref()?);
+        if self.delayed.is_some() {
+            return None;
+        }
+        self.check_waves_of_slice().ok()?;
+        self.check_parts_of_slice().ok()?;
+        check_boundary_of_slice(boundary).ok()?;
+        let speeds = self
+            .parts
+            .iter()
+            .map(|part| part.material.medium().p_speed());
+        let ratio = along_y(first).abs() * speeds.fold(0.0, f64::max);
+        (0.0 < ratio && ratio <= STIFF).then_some(ratio)
+    }
+
     /// Parts of a slice with delayed sides in which P waves are faster than the motion along y, or nearly so; none in any other body.
     pub fn stiff_parts(&self) -> Vec<StiffPart> {
         let ratios = self.parts.iter().map(|part| StiffPart {
@@ -222,7 +240,7 @@ impl Scene {
         }
         let name = |wave: &PlaneWave| powerhouse_model::IncidentField::name(wave).to_owned();
         for wave in &self.waves {
-            let (first, own) = (self.slowness_along_y(), along_y(wave));
+            let (first, own) = (along_y(&self.waves[0]), along_y(wave));
             if (own - first).abs() > SAME * first.abs().max(own.abs()) {
                 return Err(DelayedError::Slownesses {
                     first: name(&self.waves[0]),
@@ -367,25 +385,29 @@ impl Scene {
             let way = "absorb at the bottom and at the sides across x; the sides of the slice need no other support";
             return Err(with("supports along y", way));
         }
-        let Some(boundary) = &self.boundary else {
-            return Ok(());
-        };
-        if !boundary.through.is_empty() {
-            let way = "what runs along y is in the slice anyhow; end it before the other faces";
-            return Err(with("structures `through` its faces", way));
-        }
-        if boundary.region.is_some() {
-            return Err(with(
-                "a region around which the field enters",
-                "let it enter through the faces",
-            ));
-        }
-        let name = powerhouse_model::AbsorbingBoundary::name(&*boundary.condition);
-        if !["viscous", "viscous-spring"].contains(&name) {
-            let what =
-                format!("the boundary '{name}', whose dashpots do not follow the slowness along y");
-            return Err(with(what, "take 'viscous-spring' or 'viscous'"));
-        }
-        Ok(())
+        self.boundary
+            .as_ref()
+            .map_or(Ok(()), check_boundary_of_slice)
     }
+}
+
+/// Refuses boundaries that do not follow the motion along y.
+fn check_boundary_of_slice(boundary: &Boundary) -> Result<(), DelayedError> {
+    if !boundary.through.is_empty() {
+        let way = "what runs along y is in the slice anyhow; end it before the other faces";
+        return Err(with("structures `through` its faces", way));
+    }
+    if boundary.region.is_some() {
+        return Err(with(
+            "a region around which the field enters",
+            "let it enter through the faces",
+        ));
+    }
+    let name = powerhouse_model::AbsorbingBoundary::name(&*boundary.condition);
+    if !["viscous", "viscous-spring"].contains(&name) {
+        let what =
+            format!("the boundary '{name}', whose dashpots do not follow the slowness along y");
+        return Err(with(what, "take 'viscous-spring' or 'viscous'"));
+    }
+    Ok(())
 }

@@ -119,5 +119,5 @@ pub mod internal {
     pub use crate::output::{NamedThing, check_names, section_forces};
     pub use crate::scene::PrescribedMotion;
     pub use crate::stage::{Timeline, check_removal, surface_of};
-    pub use crate::surroundings::box_corners;
+    pub use crate::surroundings::{box_corners, fill_body};
 }

@@ -12,8 +12,7 @@ use powerhouse_model::{
 };
 use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
-use crate::fibres::FibreSite;
-use crate::fibres::set_fibres;
+use crate::fibres::{FibreSite, set_fibres};
 use crate::in_use::{InUse, check_in_use};
 use crate::output::{self, FinishedRun, OutputPlan, Recordings, Results};
 use crate::places::placed;

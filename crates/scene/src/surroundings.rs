@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use powerhouse_boundary::{BoundaryError, nodes_in_other_media};
-use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Vec3};
+use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Mesh, Vec3};
 
 use crate::{Error, InitialMotion, Remark, Scene, SceneRemark};
 use powerhouse_laws::Damping;
@@ -441,4 +441,23 @@ fn start_level(sampler: &dyn FieldSampler, start: f64, duration: f64) -> f64 {
 /// Larger of two numbers; not a number if one of them is not, so that an undefined field does not count as zero.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
+}
+
+/// Share of the extent of a body by which places along it are the same.
+const SAME_PLACE: f64 = 1e-6;
+
+/// Whether each of some elements reaches from end to end of a body along an axis (unit vector), as all do in a slice.
+pub fn fill_body(mesh: &Mesh, mut elements: impl Iterator<Item = u32>, axis: &Vec3) -> bool {
+    let extent = |nodes: &mut dyn Iterator<Item = u32>| {
+        let places = nodes.map(|node| mesh.positions()[node as usize].dot(axis));
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+            [low.min(place), high.max(place)]
+        })
+    };
+    let body = extent(&mut (0..mesh.node_count() as u32));
+    let tolerance = SAME_PLACE * (body[1] - body[0]);
+    elements.all(|element| {
+        let own = extent(&mut mesh.nodes_of(element).iter().copied());
+        (own[0] - body[0]).abs() < tolerance && (own[1] - body[1]).abs() < tolerance
+    })
 }

@@ -86,6 +86,6 @@ pub mod internal {
     pub use crate::rounded::rounded;
     pub use crate::run_summary::FoundSummary;
     pub use crate::store::MARK;
-    pub use crate::sweep::{CASES, CaseEntry, OUTCOME, RECORD, STATISTICS, write_text};
+    pub use crate::sweep::{CASES, CaseEntry, OUTCOME, RECORD, STATISTICS, fractile, write_text};
     pub use crate::text::after_first_slip;
 }

@@ -66,12 +66,8 @@ where
             false => OwnHistory::zero(zero),
         };
         let hourglass = Hourglass::new(moduli).with_history(own.after());
-        if let (HistoryAccess::Write(history), true) = (&mut self.history, batch.active.is_some()) {
-            for lane in 0..L::WIDTH {
-                if !batch.has(batch.arrangement.element_in[lane]) {
-                    history.revert_lane(index, lane);
-                }
-            }
+        if let HistoryAccess::Write(history) = &mut self.history {
+            history.revert_absent(index, &batch);
         }
         let volumes = self.kernel.volumes(geometry);
         let works = matches!(response, Response::LawWithWork);

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use powerhouse_model::{HistoryField, HistoryVariable};
 
+use super::batches::Batch;
 use super::memory::{Cache, prefetch};
 use super::numbers::AlignedNumbers;
 use crate::lanes::{Arrangement, BatchLane, BatchScalar};
@@ -321,8 +322,20 @@ impl<S: BatchScalar> History<S> {
         let (from, to) = state.sides(&mut self.stores);
         to.as_mut_slice()[range.clone()].copy_from_slice(&from.as_slice()[range]);
     }
+    /// Reverts the trial history of the elements of a batch that are not active to the committed one.
+    #[inline(always)]
+    pub(super) fn revert_absent<const N: usize>(&mut self, index: usize, batch: &Batch<S, N>) {
+        if batch.active.is_none() {
+            return;
+        }
+        for lane in 0..self.width {
+            if !batch.has(batch.arrangement.element_in[lane]) {
+                self.revert_lane(index, lane);
+            }
+        }
+    }
     /// Reverts the trial history of one lane of a batch to the committed one.
-    pub(super) fn revert_lane(&mut self, batch: usize, lane: usize) {
+    fn revert_lane(&mut self, batch: usize, lane: usize) {
         let state = self.states[batch];
         if !state.changed {
             return;

@@ -107,13 +107,7 @@ where
             for p in 0..P {
                 raise(self.history, (index, p), &strains[p], self.stiffness);
             }
-            if batch.active.is_some() {
-                for lane in 0..L::WIDTH {
-                    if !batch.has(batch.arrangement.element_in[lane]) {
-                        self.history.revert_lane(index, lane);
-                    }
-                }
-            }
+            self.history.revert_absent(index, &batch);
         }
     }
 }

@@ -5,7 +5,7 @@ use powerhouse_model::{
     ModalKernel, OwnStep, Scalar, Strain, Stress, Vec3,
 };
 
-use super::hexahedron::{self, GAUSS};
+use super::hexahedron::{self, GAUSS, HexahedronModes};
 use super::mean_gradient::{self, NUMBERS, SHRINK, Shape, VOLUME};
 use super::natural_frame::{NaturalFrame, PLANES, linear};
 use super::positions;
@@ -335,22 +335,11 @@ impl ElementKernel<8, 8> for Hex8Eas {
     }
     #[inline(always)]
     fn modal(&self) -> Option<&impl ModalKernel<8, 8>> {
-        Some(self)
+        Some(&HexahedronModes)
     }
     #[inline(always)]
     fn history(&self) -> Option<&impl HistoryKernel<8, 8>> {
         Some(self)
-    }
-}
-
-impl ModalKernel<8, 8> for Hex8Eas {
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
     }
 }
 

@@ -4,7 +4,7 @@ use powerhouse_model::{
     ElementKernel, ElementKind, Geometry, Hourglass, Lane, ModalKernel, Strain, Stress, Vec3,
 };
 
-use super::hexahedron::{self, GAUSS, MODE_NUMBERS};
+use super::hexahedron::{self, GAUSS, HexahedronModes, MODE_NUMBERS};
 use super::positions;
 use super::vectors::{Matrix, cofactors, outer_sum, product, scaled, strain_of, stress_matrix};
 
@@ -179,18 +179,7 @@ macro_rules! integrated_hexahedron {
             }
             #[inline(always)]
             fn modal(&self) -> Option<&impl ModalKernel<8, 8>> {
-                Some(self)
-            }
-        }
-
-        impl ModalKernel<8, 8> for $kernel {
-            #[inline(always)]
-            fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-                hexahedron::modes(nodal)
-            }
-            #[inline(always)]
-            fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-                hexahedron::nodal_forces(modal)
+                Some(&HexahedronModes)
             }
         }
     };

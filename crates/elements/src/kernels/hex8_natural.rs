@@ -5,7 +5,7 @@ use powerhouse_model::{
     Lane, ModalKernel, OwnStep, Strain, Stress, Vec3,
 };
 
-use super::hexahedron;
+use super::hexahedron::{self, HexahedronModes};
 use super::mean_gradient::{self, NUMBERS, SHRINK, Shape, VOLUME};
 use super::natural_frame::{self, NaturalFrame, linear};
 use super::positions;
@@ -89,7 +89,7 @@ impl ElementKernel<8, 1> for Hex8Natural {
     }
     #[inline(always)]
     fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
-        Some(self)
+        Some(&HexahedronModes)
     }
     #[inline(always)]
     fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
@@ -98,17 +98,6 @@ impl ElementKernel<8, 1> for Hex8Natural {
     #[inline(always)]
     fn history(&self) -> Option<&impl HistoryKernel<8, 1>> {
         Some(self)
-    }
-}
-
-impl ModalKernel<8, 1> for Hex8Natural {
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
     }
 }
 

@@ -5,7 +5,7 @@ use powerhouse_model::{
     ModalKernel, ParameterError, Strain, Stress, Vec3,
 };
 
-use super::hexahedron;
+use super::hexahedron::{self, HexahedronModes};
 use super::mean_gradient::{self, NUMBERS, Shape, VOLUME};
 use super::positions;
 use super::vectors::{dot, scaled, strain_of};
@@ -128,22 +128,11 @@ impl ElementKernel<8, 1> for Hex8OnePoint {
     }
     #[inline(always)]
     fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
-        Some(self)
+        Some(&HexahedronModes)
     }
     #[inline(always)]
     fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
         Some(self)
-    }
-}
-
-impl ModalKernel<8, 1> for Hex8OnePoint {
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
     }
 }
 

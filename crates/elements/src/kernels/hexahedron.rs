@@ -1,6 +1,6 @@
 //! Common functions of the hexahedra: modes of eight corners, and the Jacobian in terms of them.
 
-use powerhouse_model::{Lane, Vec3};
+use powerhouse_model::{Lane, ModalKernel, Vec3};
 
 use super::vectors::cofactors;
 
@@ -77,6 +77,20 @@ pub(super) fn nodal_forces<L: Lane>(f: &[[L; 3]; 8]) -> [[L; 3]; 8] {
         }
     }
     forces
+}
+
+/// Deformation modes of hexahedra, of kernels whose elastic forces follow from strains and stresses.
+pub(super) struct HexahedronModes;
+
+impl<const P: usize> ModalKernel<8, P> for HexahedronModes {
+    #[inline(always)]
+    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        modes(nodal)
+    }
+    #[inline(always)]
+    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
+        nodal_forces(modal)
+    }
 }
 
 /// Modes of the corner positions, without the constant one.

@@ -6,7 +6,7 @@ use powerhouse_model::{
 };
 
 use super::hex8_one_point::Hex8OnePoint;
-use super::hexahedron;
+use super::hexahedron::{self, HexahedronModes};
 use super::positions;
 use super::vectors::{dot, linear_gradients, outer_sum, scaled, strain_of, uniform_forces};
 use crate::block::coordinate_rounding;
@@ -84,22 +84,11 @@ impl ElementKernel<8, 1> for Parallelepiped {
     }
     #[inline(always)]
     fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
-        Some(self)
+        Some(&HexahedronModes)
     }
     #[inline(always)]
     fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
         Some(self)
-    }
-}
-
-impl ModalKernel<8, 1> for Parallelepiped {
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
     }
 }
 

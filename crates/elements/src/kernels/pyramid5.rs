@@ -2,10 +2,11 @@
 
 use powerhouse_model::{
     ElasticMedium, ElementKernel, ElementKind, Geometry, HistoryKernel, Hourglass, HourglassKernel,
-    Lane, ModalKernel, OwnStep, Strain, Stress, Vec3,
+    Lane, OwnStep, Strain, Stress, Vec3,
 };
 
 use super::hex8_natural::Hex8Natural;
+use super::hexahedron;
 use super::positions;
 use super::vectors::sum;
 
@@ -29,7 +30,7 @@ fn of_brick<T: Copy>(of_pyramid: &[T; 5]) -> [T; 8] {
 /// Modes of the brick.
 #[inline(always)]
 fn modes_of_brick<L: Lane>(nodal: &[[L; 3]; 5]) -> [[L; 3]; 8] {
-    BRICK.modes(&of_brick(nodal))
+    hexahedron::modes(&of_brick(nodal))
 }
 
 impl ElementKernel<5, 1> for Pyramid5 {
@@ -71,7 +72,7 @@ impl ElementKernel<5, 1> for Pyramid5 {
         modes: &[[L; 3]; 5],
     ) -> [[L; 3]; 5] {
         let modal = BRICK.forces(geometry, stresses, hourglass, &modes_of_brick(modes));
-        let [a, b, c, d, e, f, g, h] = BRICK.nodal_forces(&modal);
+        let [a, b, c, d, e, f, g, h] = hexahedron::nodal_forces(&modal);
         [a, b, c, d, sum(sum(e, f), sum(g, h))]
     }
     #[inline(always)]

@@ -6,7 +6,7 @@ use powerhouse_model::{
 };
 
 use super::hex8_natural::Hex8Natural;
-use super::hexahedron;
+use super::hexahedron::{self, HexahedronModes};
 use super::natural_frame::{self, NaturalFrame, linear};
 use super::positions;
 use super::vectors::{Matrix, cross, dot, outer_sum, scaled, strain_of, uniform_forces};
@@ -187,7 +187,7 @@ impl ElementKernel<8, 1> for StraightNatural {
     }
     #[inline(always)]
     fn modal(&self) -> Option<&impl ModalKernel<8, 1>> {
-        Some(self)
+        Some(&HexahedronModes)
     }
     #[inline(always)]
     fn hourglass(&self) -> Option<&impl HourglassKernel<8, 1>> {
@@ -196,17 +196,6 @@ impl ElementKernel<8, 1> for StraightNatural {
     #[inline(always)]
     fn history(&self) -> Option<&impl HistoryKernel<8, 1>> {
         Some(self)
-    }
-}
-
-impl ModalKernel<8, 1> for StraightNatural {
-    #[inline(always)]
-    fn modes<L: Lane>(&self, nodal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::modes(nodal)
-    }
-    #[inline(always)]
-    fn nodal_forces<L: Lane>(&self, modal: &[[L; 3]; 8]) -> [[L; 3]; 8] {
-        hexahedron::nodal_forces(modal)
     }
 }
 

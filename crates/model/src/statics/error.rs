@@ -20,7 +20,7 @@ pub enum StaticError {
     },
     /// An unsupported part of the model, which can move as a rigid body; found before the solution.
     #[error(
-        "the connected part with element {element} of set '{set}' ({elements} elements) can {motion} freely: no support holds it (absorbing faces hold nothing in statics), and it shares no node or closed joint with what is held (elements that are cast later are absent)"
+        "the connected part with element {element} of set '{set}' ({elements} elements) can {motion} freely: no support holds it (absorbing faces, and periodic or delayed sides, hold nothing in statics: give the stage a support, such as rollers on one face normal to the motion), and it shares no node or closed joint with what is held (elements that are cast later are absent)"
     )]
     Floating {
         /// Number of an element of the part.

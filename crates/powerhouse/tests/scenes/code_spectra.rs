@@ -33,6 +33,13 @@ fn station(name: &str) -> Variants {
     };
     write("x.txt", 1.0);
     write("y.txt", -2.0);
+    // The first 5 s, with a baseline that is off by 0.2 m/s2 at first and by -0.6 m/s2 at last.
+    let drift = rows.iter().filter_map(|(time, value)| {
+        let seconds: f64 = time.parse().ok()?;
+        (seconds <= 5.0).then(|| format!("{time} {}", value + 0.2 - 0.16 * seconds))
+    });
+    let drift: Vec<String> = drift.collect();
+    fs::write(variants.0.join("drift.txt"), drift.join("\n")).unwrap();
     variants
 }
 
@@ -106,6 +113,31 @@ fn records_are_brought_to_the_spectrum_of_a_code() {
     let (vertical, first) = (&scene.records()["r.z"], factor);
     let peak = vertical.report().peak_acceleration / z.report().peak_acceleration;
     assert!((peak - 1.0).abs() < 0.02, "{peak} {first}");
+}
+
+/// A short record whose baseline drifts is matched as well: it is corrected before the wavelets come, and after them.
+#[test]
+fn a_record_that_drifts_is_matched() {
+    let variants = station("drifting-spectrum");
+    let target = "{ kind = \"eurocode-8\", type = 1, ground = \"A\", peak = 1 }";
+    let table = record(target, ", by = \"wavelets\"");
+    let components = "components = { x = \"x.txt\", y = \"y.txt\", z = \"x.txt\" }";
+    let table = table.replace(components, "file = \"drift.txt\"");
+    let table = table.replace("component = \"x\"\n", "");
+    let scene = variants.read(PULSE, &table).unwrap();
+    let (mean, least, most) = ratio(&scene.records()["r"]);
+    assert!(
+        mean.abs() < 0.02 && least > 0.85 && most < 1.15,
+        "{mean} {least} {most}"
+    );
+    let baseline = scene.remarks().iter().find_map(|remark| match remark {
+        Remark::Record { baseline, .. } => *baseline,
+        _ => None,
+    });
+    // The whole drift is told, and what both corrections changed.
+    let baseline = baseline.unwrap();
+    assert!(baseline.largest_change > 0.5 && baseline.before.end_velocity < -0.5);
+    assert!(baseline.after.end_displacement.abs() < 1e-3);
 }
 
 /// What is no spectrum, or none of the record, is refused at its key with what is permitted.

@@ -1,6 +1,6 @@
 //! Fractiles of all results over the records, at all scales.
 
-use powerhouse_study::internal::rounded;
+use powerhouse_study::internal::{fractile, rounded};
 use powerhouse_study::sweep::{FigureStatistics, ScaleStatistics, SetStatistics};
 
 use super::super::page::Page;
@@ -84,11 +84,7 @@ pub(super) fn fractiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
     if sorted.is_empty() {
         return [0.0; 3];
     }
-    [0.16, 0.5, 0.84].map(|share| {
-        let place = share * (sorted.len() - 1) as f64;
-        let [below, above] = [place.floor(), place.ceil()].map(|place| sorted[place as usize]);
-        below + (place - place.floor()) * (above - below)
-    })
+    [0.16, 0.5, 0.84].map(|share| fractile(&sorted, share))
 }
 
 /// The three as text, with the least and the greatest.

@@ -60,35 +60,15 @@ fn paragraph(spectra: &SetSpectra) -> String {
         return format!("{count} records, which are brought to no spectrum.");
     };
     let [from, to] = target.band;
-    let in_band = (spectra
-        .periods
-        .iter()
-        .zip(&target.accelerations)
-        .enumerate())
-    .filter(|(_, (period, _))| (from..=to).contains(*period))
-    .filter_map(|(index, (_, target))| Some((index, (*target)?)));
-    let ratios: Vec<f64> = in_band
-        .map(|(index, target)| {
-            let own = spectra
-                .records
-                .iter()
-                .map(|record| record.accelerations[index]);
-            fractiles(own)[1] / target
-        })
-        .collect();
-    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-    let greatest = ratios.iter().copied().fold(0.0, f64::max);
-    if ratios.is_empty() {
-        return format!("{count} records, brought to {}.", target.name);
+    let [from, to] = [from, to].map(rounded);
+    let all = format!(
+        "{count} records, brought to {} from {from} to {to} s",
+        target.name
+    );
+    match spectra.fit() {
+        Some(_) => format!("{all}; {spectra}."),
+        None => format!("{all}."),
     }
-    format!(
-        "{count} records, brought to {} from {} to {} s; there the median of their spectra is {} to {} of the target.",
-        target.name,
-        rounded(from),
-        rounded(to),
-        rounded(least),
-        rounded(greatest),
-    )
 }
 
 fn draw(spectra: &SetSpectra, file: &Path) -> Result<(), StudyError> {

@@ -83,12 +83,10 @@ fn start(names: &Names, section: &JointSection, joint: &mut SceneJoint) -> Resul
         check(joint, zone.span())?;
     }
     if let Some(water) = &section.water {
-        let keys = PressureKeys {
-            level: water.level.as_ref(),
-            pressures: water.pressures.as_ref(),
-            density: water.density,
-        };
-        let at_rest = water_pressure(water.span(), keys)?;
+        let at_rest = water_pressure(
+            water.span(),
+            PressureKeys::new(&water.level, &water.pressures, water.density),
+        )?;
         joint.water = Some(at_rest.map_or_else(JointWater::default, JointWater::new));
         check(joint, water.span())?;
     }

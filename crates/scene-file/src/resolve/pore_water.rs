@@ -7,6 +7,7 @@ use powerhouse_elements::WaterPressure;
 
 use powerhouse_laws::Material;
 use powerhouse_model::{Mesh, Vec3};
+use powerhouse_scene::internal::fill_body;
 use powerhouse_scene::{Fault, Problem, Remark, SaturatedMaterial, Seepage};
 
 use crate::spec::{At, Finite, Positive, SceneSpec, water_weight};
@@ -20,6 +21,21 @@ pub(crate) struct PressureKeys<'a> {
     pub(crate) pressures: Option<&'a At<Vec<[Finite; 2]>>>,
     /// Density of the water (kg/m3).
     pub(crate) density: Option<Positive>,
+}
+
+impl<'a> PressureKeys<'a> {
+    /// The keys `level`, `pressures` and `density` of a table.
+    pub(crate) fn new(
+        level: &'a Option<At<Finite>>,
+        pressures: &'a Option<At<Vec<[Finite; 2]>>>,
+        density: Option<Positive>,
+    ) -> Self {
+        Self {
+            level: level.as_ref(),
+            pressures: pressures.as_ref(),
+            density,
+        }
+    }
 }
 
 /// Pressure at rest of a table at a place in the text; none without level and pressures.
@@ -128,26 +144,13 @@ fn seepage(mesh: &Mesh, file: &SceneSpec, (name, material): (&str, &Material)) -
     let parts = file.parts.iter().filter(|part| *part.material == *name);
     let elements = parts.flat_map(|part| mesh.element_set(&part.set).unwrap_or_default());
     let elements: Vec<u32> = elements.copied().collect();
-    let extents = |element: &u32| {
-        let corners = mesh.nodes_of(*element).iter();
-        let corners = corners.map(|&node| mesh.positions()[node as usize]);
-        corners.fold(NOTHING, |(low, high), x| (low.inf(&x), high.sup(&x)))
-    };
-    let (low, high) = elements
-        .iter()
-        .map(extents)
-        .fold(NOTHING, |all, own| (all.0.inf(&own.0), all.1.sup(&own.1)));
+    let corners = mesh.nodes_of_elements(&elements).into_iter();
+    let corners = corners.map(|node| mesh.positions()[node as usize]);
+    let (low, high) = corners.fold(NOTHING, |(low, high), x| (low.inf(&x), high.sup(&x)));
     // Along an axis that single elements fill, as in a slice, nothing drains.
-    let (start, end) = mesh.bounding_box();
-    let filled = |axis: usize| {
-        let tolerance = 1e-6 * (end[axis] - start[axis]);
-        elements.iter().all(|element| {
-            let (low, high) = extents(element);
-            low[axis] - start[axis] < tolerance && end[axis] - high[axis] < tolerance
-        })
-    };
-    let open = (0..3).filter(|&axis| !filled(axis));
-    let extent = open.map(|axis| high[axis] - low[axis]).reduce(f64::min)?;
+    let axes = [Vec3::x(), Vec3::y(), Vec3::z()].into_iter();
+    let open = axes.filter(|axis| !fill_body(mesh, elements.iter().copied(), axis));
+    let extent = open.map(|axis| (high - low).dot(&axis)).reduce(f64::min)?;
     let skeleton = material.law().skeleton();
     let modulus = skeleton.lambda() + 2.0 * skeleton.shear();
     Some(Seepage {

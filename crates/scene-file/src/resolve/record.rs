@@ -97,7 +97,16 @@ fn processed(
         let source = described(&file);
         let history = TimeHistory::new(file.step, file.samples)
             .map_err(|error| Fault::refused(part.file.span(), error))?;
-        read.push((part.name, cut(table, history)?, (file.warnings, source)));
+        let history = cut(table, history)?;
+        // Wavelets match a record that has its baseline already, so that little is left to be corrected behind them; a filter
+        // comes once.
+        let is_filter = matches!(&*table.baseline, Baseline::HighPass { .. });
+        let is_first = target.as_ref().is_some_and(SpectrumOfRecord::has_wavelets) && !is_filter;
+        let (history, baseline) = match is_first {
+            true => corrected(table, history)?,
+            false => (history, None),
+        };
+        read.push((part.name, history, (file.warnings, source, baseline)));
     }
     let matched = match &target {
         Some(target) => target.matched(read.iter().map(|(name, history, _)| (&**name, history)))?,
@@ -110,7 +119,12 @@ fn processed(
             None => (history, None),
         };
         let (history, baseline) = corrected(table, history)?;
-        parts.push((name, history, baseline, (facts, wavelets)));
+        let (warnings, source, first) = facts;
+        let baseline = match (first, baseline) {
+            (Some(first), Some(second)) => Some(first.followed_by(&second)),
+            (first, second) => second.or(first),
+        };
+        parts.push((name, history, baseline, ((warnings, source), wavelets)));
     }
     let factor = match &target {
         Some(target) => {

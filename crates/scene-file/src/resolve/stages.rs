@@ -212,11 +212,7 @@ pub(super) fn ground_water(
     stress: &At<spec::InSituStress>,
     water: &spec::GroundWater,
 ) -> Result<WaterPressure, Fault> {
-    let keys = PressureKeys {
-        level: water.level.as_ref(),
-        pressures: water.pressures.as_ref(),
-        density: water.density,
-    };
+    let keys = PressureKeys::new(&water.level, &water.pressures, water.density);
     given_pressure(stress.span(), keys)
 }
 
@@ -385,11 +381,7 @@ fn stage(
         });
     }
     for water in &table.water {
-        let keys = PressureKeys {
-            level: water.level.as_ref(),
-            pressures: water.pressures.as_ref(),
-            density: water.density,
-        };
+        let keys = PressureKeys::new(&water.level, &water.pressures, water.density);
         let level = StageWater::new(given_pressure(water.span(), keys)?);
         stage = stage.water(match &water.set {
             Some(set) => level.within(set.to_string()),

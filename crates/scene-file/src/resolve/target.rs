@@ -52,6 +52,11 @@ impl<'t> SpectrumOfRecord<'t> {
         }))
     }
 
+    /// Whether wavelets are added to the record.
+    pub(super) fn has_wavelets(&self) -> bool {
+        self.table.by == SpectrumMeans::Wavelets
+    }
+
     fn refused(&self, error: WaveError) -> Fault {
         Fault::refused(self.table.periods.span(), error)
     }
@@ -62,7 +67,7 @@ impl<'t> SpectrumOfRecord<'t> {
         &self,
         parts: impl ExactSizeIterator<Item = (&'p str, &'p TimeHistory)> + Clone,
     ) -> Result<Vec<Option<Matched>>, Fault> {
-        if self.table.by == SpectrumMeans::Factor {
+        if !self.has_wavelets() {
             return Ok(vec![None; parts.len()]);
         }
         let factor = self.common_factor(parts.clone())?;

@@ -18,8 +18,6 @@ const LEAST_SHARE: f64 = 0.01;
 const LOCKING: f64 = 0.45;
 /// Difference of two pressures, over the larger one, above which they are not the same.
 const SAME_PRESSURE: f64 = 0.01;
-/// Density of water (kg/m3) where none is given.
-const WATER: f64 = 1000.0;
 
 /// Warnings about water in the pores of materials that is not what is meant.
 pub(super) fn warnings(
@@ -106,7 +104,7 @@ impl Ground<'_> {
             return reasons;
         };
         let skeleton = self.material.law().skeleton();
-        let of_water = keys.density.map_or(WATER, |density| density.get());
+        let of_water = spec::water_density(keys.density);
         if skeleton.density < of_water {
             reasons.push(WaterReason::Light {
                 density: skeleton.density,

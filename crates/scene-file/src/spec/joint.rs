@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::words_or_number;
-use super::{At, Finite, NonNegative, Parameters, Positive};
+use super::{At, Finite, GroundWater, NonNegative, Parameters, Positive};
 
 /// Joint: two facing surfaces of the mesh with their initial state and the contact law of their tractions.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -28,7 +28,7 @@ pub struct JointSection {
     pub preload: Option<At<Preload>>,
     /// Water in the joint: its pressure acts on both sides, and the law bears effective tractions. `water = {}` has no pressure until a
     /// stage sets a level.
-    pub water: Option<At<JointWater>>,
+    pub water: Option<At<GroundWater>>,
     /// Initial gap between the two sides along the normal (m), 0 by default, or `"meshed"`: the distance of the
     /// nodes in the mesh. A node pair with a gap has neither bond nor preload.
     pub gap: Option<At<Gap>>,
@@ -40,20 +40,6 @@ pub struct JointSection {
     #[serde(skip_deserializing, flatten)]
     #[schemars(skip)]
     pub parameters: Parameters,
-}
-
-/// Water in a joint.
-#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
-#[non_exhaustive]
-#[serde(deny_unknown_fields)]
-pub struct JointWater {
-    /// Height z of the water level (m), below which the pressure is hydrostatic, or a table of `pressures`; no pressure without either.
-    pub level: Option<At<Finite>>,
-    /// Pressures by height in place of a level: pairs of height z (m) and pressure (Pa, 0 or above) from the top downwards, two or
-    /// more, with straight lines between.
-    pub pressures: Option<At<Vec<[Finite; 2]>>>,
-    /// Density of the water (kg/m3) below a level, above 0; 1000 by default.
-    pub density: Option<Positive>,
 }
 
 /// Preload: initial traction on a joint in the reference configuration.

@@ -61,7 +61,7 @@ pub use ground::{
     Baseline, BoundarySection, Channels, Columns, Component, Convention, Count, Ground, Length,
     Record, Region, Space, Units, Wave, WaveAxis, WaveKind, Within,
 };
-pub use joint::{Gap, JointSection, JointWater, Preload, Zone};
+pub use joint::{Gap, JointSection, Preload, Zone};
 pub use layer::{EquivalentLinear, Layer, StrainCurves};
 pub use load::{Load, Support};
 pub(crate) use load::{WATER_BULK_MODULUS, water_density, water_weight};

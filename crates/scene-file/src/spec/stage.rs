@@ -56,12 +56,13 @@ pub enum InSituStress {
     },
 }
 
-/// Water in the pores of ground under its own weight.
+/// Water at rest in the pores of ground under its own weight, or in a joint.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct GroundWater {
-    /// Height z of the water level (m), or a table of `pressures`.
+    /// Height z of the water level (m), below which the pressure is hydrostatic, or a table of `pressures`; a joint without either has
+    /// no pressure.
     pub level: Option<At<Finite>>,
     /// Pressures by height in place of a level: pairs of height z (m) and pressure (Pa, 0 or above) from the top downwards, two or
     /// more, with straight lines between.

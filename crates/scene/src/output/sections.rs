@@ -5,6 +5,7 @@ use powerhouse_observe::{CrossSection, SectionGeometry};
 
 use super::SectionRequest;
 use crate::Remark;
+use crate::surroundings::fill_body;
 
 /// Warning about a section through pieces that do not touch, such as crown and invert of a lining.
 pub(super) fn in_pieces(
@@ -23,25 +24,11 @@ pub(super) fn in_pieces(
 /// Share of the product of its extents that the area of a section fills, below which it is a frame or a ring.
 const FILLED: f64 = 0.5;
 
-/// Share of the extent of a body by which places along it are the same.
-const SAME_PLACE: f64 = 1e-6;
-
 /// Whether every element that a section cuts reaches from end to end of the body along the normal: the section of the whole tube
 /// in a slice, of which there is no other.
 pub(super) fn is_of_slice(mesh: &Mesh, geometry: &SectionGeometry) -> bool {
-    let extent = |nodes: &mut dyn Iterator<Item = u32>| {
-        let places = nodes.map(|node| mesh.positions()[node as usize].dot(&geometry.normal));
-        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
-            [low.min(place), high.max(place)]
-        })
-    };
-    let body = extent(&mut (0..mesh.node_count() as u32));
-    let tolerance = SAME_PLACE * (body[1] - body[0]);
-    let mut elements = geometry.pieces.iter().flat_map(|piece| &piece.elements);
-    elements.all(|&element| {
-        let own = extent(&mut mesh.nodes_of(element).iter().copied());
-        (own[0] - body[0]).abs() < tolerance && (own[1] - body[1]).abs() < tolerance
-    })
+    let elements = geometry.pieces.iter().flat_map(|piece| &piece.elements);
+    fill_body(mesh, elements.copied(), &geometry.normal)
 }
 
 /// Warning about a section in one piece that is a frame or a ring, such as that of a closed lining.

@@ -64,6 +64,8 @@ const NODE_NANOSECONDS: f64 = 40.0;
 const WAVE_NANOSECONDS: [f64; 2] = [24.0, 38.0];
 /// Time (ns) of an elastic hexahedron and step (`cargo bench --bench step`).
 const ELEMENT_NANOSECONDS: f64 = 31.0;
+/// Greatest product of elements and steps of the reference of a substitute model, for one wave.
+pub(crate) const MOST_WORK: f64 = 1e9;
 /// Factors on the distances of the faces that are tried where no boundary meets the permitted error.
 const FARTHER: [f64; 2] = [1.5, 2.0];
 
@@ -184,7 +186,7 @@ pub fn advise_boundary(scene: &FileScene, error: f64) -> Result<BoundaryAdvice, 
         .filter(|kind| *kind != BoundaryKind::IncidentOnly || has_reflections(&problem, &bottom))
         .filter(holds)
         .collect();
-    let mut found = predictions(&problem, 1.0, &kinds)?;
+    let mut found = predictions(&problem, 1.0, &kinds, MOST_WORK)?;
     let distances = problem.least_distances();
     let surroundings = Surroundings {
         medium: problem.medium,
@@ -261,7 +263,7 @@ fn registered(
         .map_err(Error::from)?;
     let boundary = RegisteredBoundary::new(name, condition, surroundings).map_err(Error::from)?;
     let kind = BoundaryKind::Registered(boundary);
-    let predicted = predicted_error(problem, 1.0, &kind)?;
+    let predicted = predicted_error(problem, 1.0, &kind, MOST_WORK)?;
     Ok((kind, predicted))
 }
 
@@ -292,6 +294,7 @@ fn predictions(
     problem: &BoundaryProblem,
     farther: f64,
     kinds: &[BoundaryKind],
+    most_work: f64,
 ) -> Result<Predictions, StudyError> {
     let Some(radius) = problem.radius else {
         // Without a scatterer the body moves as the free field does, and no wave reaches the faces from within.
@@ -312,7 +315,9 @@ fn predictions(
                         lines: Vec::new(),
                         highest: of_radius,
                     };
-                    Opening::of(problem, farther, &band)?.errors(Source::Pressure, kinds)?
+                    Opening::of(problem, farther, &band)?
+                        .within(most_work)
+                        .errors(Source::Pressure, kinds)?
                 }
             };
             Ok(Predictions {
@@ -322,7 +327,7 @@ fn predictions(
             })
         }
         Excitation::Waves { waves, band } => {
-            let opening = Opening::of(problem, farther, band)?;
+            let opening = Opening::of(problem, farther, band)?.within(most_work);
             let mut worst = vec![0.0_f64; kinds.len()];
             let mut model = None;
             for wave in waves {
@@ -345,14 +350,16 @@ fn predictions(
 /// Predicts the error of one boundary with the distances of all faces multiplied by `farther`.
 ///
 /// # Errors
-/// Faces too near to the scatterer for the substitute model.
+/// Faces too near to the scatterer for the substitute model; an opening whose elements and steps have a product above
+/// `most_work`.
 pub(crate) fn predicted_error(
     problem: &BoundaryProblem,
     farther: f64,
     kind: &BoundaryKind,
+    most_work: f64,
 ) -> Result<f64, StudyError> {
     let kind = core::slice::from_ref(kind);
-    Ok(predictions(problem, farther, kind)?.errors[0])
+    Ok(predictions(problem, farther, kind, most_work)?.errors[0])
 }
 
 /// The least of the tried distances at which the best boundary meets the permitted error.
@@ -361,7 +368,7 @@ fn farther(advice: &BoundaryAdvice) -> Result<Option<FartherFaces>, StudyError> 
         return Ok(None);
     };
     for times in FARTHER {
-        let predicted = predicted_error(&advice.problem, times, &best.kind)?;
+        let predicted = predicted_error(&advice.problem, times, &best.kind, MOST_WORK)?;
         if predicted <= advice.error {
             return Ok(Some(FartherFaces {
                 kind: best.kind.clone(),

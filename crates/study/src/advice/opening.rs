@@ -17,6 +17,7 @@ use powerhouse::{
     TimeStep,
 };
 
+use super::MOST_WORK;
 use super::band::Band;
 use super::candidate::{BoundaryKind, Surroundings};
 use super::setting::{ArrivingWave, BoundaryProblem};
@@ -28,8 +29,6 @@ const PER_WAVELENGTH: f64 = 10.0;
 const PER_RADIUS: [f64; 2] = [4.0, 16.0];
 /// Greatest number of elements between opening and faces; waves that would need more are left out.
 const MOST_BRICKS: f64 = 3.0e4;
-/// Greatest product of elements and steps of the reference.
-const MOST_WORK: f64 = 1e9;
 /// Ratio of element lengths of consecutive rows.
 const GROWTH: f64 = 1.1;
 /// Return trips of shear waves between opening and faces that are computed.
@@ -66,6 +65,8 @@ pub(super) struct Opening {
     /// Whether the top absorbs: in a full space.
     absorbing_top: bool,
     band: Band,
+    /// Greatest product of elements and steps of the reference.
+    most_work: f64,
 }
 
 impl Opening {
@@ -124,7 +125,13 @@ impl Opening {
             surroundings,
             absorbing_top: above > 0.0,
             band: band.up_to(s_speed / (PER_WAVELENGTH * brick)),
+            most_work: MOST_WORK,
         })
+    }
+
+    /// The model with another greatest product of elements and steps of its reference.
+    pub(super) fn within(self, most_work: f64) -> Self {
+        Self { most_work, ..self }
     }
 
     /// Highest frequency that the mesh resolves (Hz).
@@ -219,7 +226,7 @@ impl Opening {
         let elements = (side + rows(true) as f64) * (side + rows(false) as f64);
         let medium = self.surroundings.medium;
         let steps = self.duration() * medium.p_speed() / (STEP_SHARE * self.slice.fine);
-        if elements * steps > MOST_WORK {
+        if elements * steps > self.most_work {
             return Err(StudyError::CostlyPrediction {
                 elements,
                 steps,

@@ -5,7 +5,7 @@ use core::fmt;
 use powerhouse::model::{AbsorbingBoundary, BoundarySite, Facet, Mesh, ParameterError, Vec3};
 use powerhouse::{Scene, keys};
 
-use super::{BoundaryKind, BoundaryProblem, predicted_error};
+use super::{BoundaryKind, BoundaryProblem, MOST_WORK, predicted_error};
 use crate::StudyError;
 use crate::recorded::Recorded;
 
@@ -295,7 +295,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
     let mut advice = BoxAdvice {
         title: scene.title().to_owned(),
         error,
-        unchanged: predicted_error(problem, 1.0, &kind)?,
+        unchanged: predicted_error(problem, 1.0, &kind, MOST_WORK)?,
         elements: scene.mesh().element_count(),
         nearer: None,
         obstacle: None,
@@ -312,7 +312,7 @@ pub fn advise_box(scene: &Scene, error: f64) -> Result<BoxAdvice, StudyError> {
             }
         };
         // Faces too near for the substitute model.
-        let Ok(predicted) = predicted_error(problem, share, &kind) else {
+        let Ok(predicted) = predicted_error(problem, share, &kind, MOST_WORK) else {
             break;
         };
         // Reflections may cancel by chance: nearer faces are never taken to have a smaller error than farther ones.

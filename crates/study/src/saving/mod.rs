@@ -30,6 +30,7 @@ use powerhouse::{FileScene, Resolution, Scene};
 use crate::StudyError;
 use crate::advice::Band;
 use crate::cost::{CostModel, StepTimer};
+use shape::NearerFaces;
 use variant::Variants;
 pub use window::MeasuredError;
 use window::{ErrorGrowth, SceneFacts, Window};
@@ -405,6 +406,7 @@ impl fmt::Display for Saving {
 /// Data for the savings of a scene that are collected before it is prepared.
 pub(crate) struct Survey {
     of_shape: Vec<Saving>,
+    nearer: Option<NearerFaces>,
     files: Option<Variants>,
     facts: SceneFacts,
     /// Number format of the scene with its documented error, unless it is double precision.
@@ -427,6 +429,7 @@ impl Survey {
         };
         Ok(Self {
             of_shape: shape::savings(scene)?,
+            nearer: NearerFaces::of(scene),
             files: Variants::of(scene),
             facts: SceneFacts::of(scene),
             format: FormatError::documented(scene),
@@ -446,6 +449,8 @@ impl Survey {
     ) -> Savings {
         let elements = self.elements;
         let (mut savings, mut refused) = (self.of_shape, Vec::new());
+        let work = elements as f64 * timing.steps as f64;
+        savings.extend(self.nearer.and_then(|faces| faces.saving(work)));
         if let Some(highest) = self.highest {
             let waves = Passage {
                 highest,

@@ -8,7 +8,9 @@ use powerhouse::wavefield::WaveKind;
 
 use super::{BY_COUNT, Change, PredictedError, Saving, delayed};
 use crate::StudyError;
-use crate::advice::{BoxReduction, Excitation, kind_of, predicted_error};
+use crate::advice::{
+    BoundaryKind, BoundaryProblem, BoxReduction, Excitation, kind_of, predicted_error,
+};
 
 /// Distance of coincident nodes over the diagonal of the mesh.
 const TOLERANCE: f64 = 1e-6;
@@ -24,7 +26,10 @@ const SLICE_ERROR: f64 = 1e-10;
 /// Relative difference between half and whole body, measured in the tests of symmetry planes.
 const HALF_ERROR: f64 = 1e-10;
 
-/// The savings by halves, slices and nearer faces that the scene allows.
+/// Least product of elements and steps that the prediction of nearer faces may take: that of some seconds.
+const LEAST_WORK: f64 = 3e7;
+
+/// The savings by halves and slices that the scene allows.
 pub(super) fn savings(scene: &Scene) -> Result<Vec<Saving>, StudyError> {
     let mut savings = Vec::new();
     for axis in [Axis::X, Axis::Y] {
@@ -34,7 +39,6 @@ pub(super) fn savings(scene: &Scene) -> Result<Vec<Saving>, StudyError> {
     if !savings.iter().any(is_slice_along_y) {
         savings.extend(delayed::slice(scene)?);
     }
-    savings.extend(nearer_faces(scene)?);
     Ok(savings)
 }
 
@@ -229,38 +233,47 @@ fn images(mesh: &Mesh, axis: Axis, at: f64) -> Option<Vec<u32>> {
     mesh.positions().iter().map(image).collect()
 }
 
-/// Saving by faces nearer to the scatterer, with the error that the substitute model predicts.
-fn nearer_faces(scene: &Scene) -> Result<Option<Saving>, StudyError> {
-    let Some(boundary) = scene.boundary() else {
-        return Ok(None);
-    };
-    let kind = kind_of(boundary.condition.as_ref());
-    // A scene without a prediction.
-    let Ok(reduction) = BoxReduction::of(scene) else {
-        return Ok(None);
-    };
-    let problem = &reduction.problem;
-    // Under loads alone the prediction may take longer than the run, which may be one at rest: `advise box` makes it.
-    if problem.radius.is_none() || matches!(problem.excitation, Excitation::Loads { .. }) {
-        return Ok(None);
+/// A body with faces nearer to its scatterer.
+pub(super) struct NearerFaces {
+    problem: BoundaryProblem,
+    kind: BoundaryKind,
+    /// Number of elements over that of the scene.
+    share: f64,
+}
+
+impl NearerFaces {
+    /// Nearer faces that the mesh of a scene allows, and whose error a substitute model predicts.
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
+        let kind = kind_of(scene.boundary()?.condition.as_ref());
+        let reduction = BoxReduction::of(scene).ok()?;
+        // Under loads alone `advise box` makes the prediction.
+        let has_waves = matches!(reduction.problem.excitation, Excitation::Waves { .. });
+        reduction.problem.radius.filter(|_| has_waves)?;
+        let (_, left) = reduction.at(NEARER).ok()?;
+        Some(Self {
+            kind,
+            share: left.len() as f64 / scene.mesh().element_count() as f64,
+            problem: reduction.problem,
+        })
     }
-    let Ok(predicted) = predicted_error(problem, NEARER, &kind) else {
-        return Ok(None);
-    };
-    // A box that the mesh does not allow.
-    let Ok((_, left)) = reduction.at(NEARER) else {
-        return Ok(None);
-    };
-    let left = left.len() as f64;
-    let error = PredictedError {
-        share: Some(predicted),
-        least: None,
-        of: "displacement and velocity, the whole error of the boundary".into(),
-        source: "not measured on this scene, predicted by an opening in a slice of its ground as in `powerhouse advise boundary`".into(),
-    };
-    let change = Change::NearerFaces { share: NEARER };
-    let all = scene.mesh().element_count() as f64;
-    Ok(predicted
-        .is_finite()
-        .then(|| of_elements(change, left / all, error)))
+
+    /// The saving, with the error that the substitute model predicts if that takes no more elements and steps than the
+    /// run, whose product of both is given.
+    pub(super) fn saving(&self, work_of_run: f64) -> Option<Saving> {
+        let most_work = work_of_run.max(LEAST_WORK);
+        let error = match predicted_error(&self.problem, NEARER, &self.kind, most_work) {
+            Ok(predicted) if predicted.is_finite() => PredictedError {
+                share: Some(predicted),
+                least: None,
+                of: "displacement and velocity, the whole error of the boundary".into(),
+                source: "not measured on this scene, predicted by an opening in a slice of its ground as in `powerhouse advise boundary`".into(),
+            },
+            Err(StudyError::CostlyPrediction { .. }) => PredictedError::unknown(
+                "its prediction takes longer than the run, `powerhouse advise box` makes it",
+            ),
+            Ok(_) | Err(_) => return None,
+        };
+        let change = Change::NearerFaces { share: NEARER };
+        Some(of_elements(change, self.share, error))
+    }
 }

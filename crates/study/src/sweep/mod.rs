@@ -71,10 +71,10 @@ use processes::SharedFolder;
 pub use record_set::STATISTICS;
 use record_set::SweepSet;
 pub use sections::{SectionExtremes, Utilisation};
-pub use spectra::{SetSpectra, SpectrumOfRecord, TargetSpectrum};
+pub use spectra::{FitAtPeriod, SetSpectra, SpectrumOfRecord, TargetSpectrum};
 pub use statistics::{
     FigureStatistics, FragilityResult, FragilityRun, ScaleStatistics, SectionEnvelope,
-    SetStatistics,
+    SetStatistics, fractile,
 };
 
 /// Name of the outcome file in the folder of a case.

@@ -227,7 +227,7 @@ fn figures(outcomes: &[&CaseOutcome]) -> Vec<FigureStatistics> {
 }
 
 /// Fractile of values in rising order, of which there is one at least.
-fn fractile(sorted: &[f64], share: f64) -> f64 {
+pub fn fractile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let [below, above] = [place.floor(), place.ceil()].map(|place| sorted[place as usize]);
     match below == above {
@@ -378,6 +378,9 @@ impl FigureStatistics {
 /// Tables of the fractiles at each scale, and the fragility curves, for a terminal.
 impl fmt::Display for SetStatistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(spectra) = self.spectra.as_ref().filter(|of| of.fit().is_some()) {
+            writeln!(f, "{spectra}")?;
+        }
         for scale in &self.scales {
             let all = scale.finished + scale.missing.len();
             let finished = scale.finished;

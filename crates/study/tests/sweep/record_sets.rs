@@ -6,12 +6,14 @@ use std::sync::atomic::Ordering;
 
 use powerhouse::ProgressHook;
 use powerhouse_study::fragility::{LognormalFragility, Stripe};
-use powerhouse_study::sweep::{FragilityResult, SetStatistics};
+use powerhouse_study::sweep::{
+    FragilityResult, SetSpectra, SetStatistics, SpectrumOfRecord, TargetSpectrum,
+};
 
 use super::*;
 use crate::block::Folder as Block;
 
-const SCENE: &str = r#"
+pub(super) const SCENE: &str = r#"
 title = "block"
 [mesh]
 file = "mesh.msh"
@@ -326,6 +328,43 @@ fn statistics_are_those_of_the_outcomes() {
         .run(None, &mut NoProgress)
         .unwrap();
     assert!(!block.out().join("statistics.json").exists());
+}
+
+/// The fit of a set is that of the arithmetic mean of its spectra at the periods of the band at which the target is defined.
+#[test]
+fn the_fit_of_a_set_is_that_of_its_mean() {
+    let record = |record: &str, accelerations: [f64; 5]| SpectrumOfRecord {
+        record: record.into(),
+        accelerations: accelerations.to_vec(),
+        peak: 1.0,
+        arias: 1.0,
+        duration: 1.0,
+    };
+    let target = TargetSpectrum {
+        name: "a code".into(),
+        band: [0.1, 1.0],
+        accelerations: vec![Some(1.0), Some(2.0), Some(4.0), None, Some(1.0)],
+    };
+    let mut spectra = SetSpectra {
+        components: 2,
+        damping: 0.05,
+        periods: vec![0.05, 0.1, 0.5, 0.9, 2.0],
+        records: vec![
+            record("a", [9.0, 1.0, 5.0, 9.0, 9.0]),
+            record("b", [9.0, 2.5, 5.0, 9.0, 9.0]),
+        ],
+        target: Some(target),
+    };
+    let [least, greatest] = spectra.fit().unwrap();
+    assert_eq!([least.period, least.ratio], [0.1, 0.875]);
+    assert_eq!([greatest.period, greatest.ratio], [0.5, 1.25]);
+    assert_eq!(
+        spectra.to_string(),
+        "mean of the spectra of 2 records (of two components the geometric mean) over that of a code, from 0.100 to 1.00 s: 0.875 at \
+         0.100 s to 1.25 at 0.500 s"
+    );
+    spectra.target = None;
+    assert!(spectra.fit().is_none() && spectra.to_string().is_empty());
 }
 
 /// Stops a sweep after some cases and some steps of the next one.

@@ -76,6 +76,21 @@ pub struct BaselineReport {
     pub leading_pad: f64,
 }
 
+impl BaselineReport {
+    /// Report of two corrections between which the record was changed on purpose: the changes add up as shares of the peaks before
+    /// each, given in units of the first one.
+    #[must_use]
+    pub fn followed_by(self, second: &Self) -> Self {
+        let scale = self.before.peak_acceleration / second.before.peak_acceleration;
+        Self {
+            after: second.after,
+            largest_change: self.largest_change + scale * second.largest_change,
+            leading_pad: self.leading_pad + second.leading_pad,
+            ..self
+        }
+    }
+}
+
 impl TimeHistory {
     /// History with its baseline corrected, and a report of the change.
     ///
