@@ -111,7 +111,7 @@ fn utilisation_is_that_of_the_recorded_forces() {
         let warned = results.warnings(&mesh);
         let warned = warned
             .iter()
-            .find(|remark| matches!(remark, Remark::BeyondCapacity { .. }));
+            .find(|remark| matches!(remark, Remark::BeyondCapacity(_)));
         assert_eq!(warned.is_some_and(Remark::is_warning), is_beyond);
         let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
         let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();

@@ -12,7 +12,7 @@ use powerhouse::model::{
 use powerhouse::wavefield::{PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
     Boundary, Error, FileScene, FolderError, Material, OutputPlan, Part, Registry, Remark,
-    ResidualLimit, ResultFolder, Results, RunHooks, RunNotes, Scene, SnapshotRequest,
+    ResidualLimit, ResultFolder, Results, RunHooks, RunNotes, Scene, SnapshotRequest, remark,
 };
 
 use powerhouse_test_support::TestFolder as Folder;
@@ -405,11 +405,11 @@ fn sections_through_both_sides_of_a_ring_are_warned_of() {
             assert_eq!(simulation.section_geometry().len(), 1);
             let remarks = simulation.remarks().iter();
             let mut found = remarks.filter_map(|remark| match remark {
-                Remark::DividedSection {
+                Remark::DividedSection(remark::DividedSection {
                     pieces,
                     half_extent,
                     ..
-                } => Some((pieces.clone(), *half_extent)),
+                }) => Some((pieces.clone(), *half_extent)),
                 _ => None,
             });
             found.next()

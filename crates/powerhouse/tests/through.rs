@@ -14,7 +14,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{
     Boundary, Error, FileScene, LayerError, Material, OutputPlan, Part, Registry, Remark,
-    RenderFault as _, RunHooks, Scene, ThroughError, TimeStep,
+    RenderFault as _, RunHooks, Scene, ThroughError, TimeStep, remark,
 };
 use powerhouse_test_support::TestFolder;
 
@@ -254,14 +254,14 @@ fn what_runs_through_is_reported() {
     let remark = simulation
         .remarks()
         .iter()
-        .find(|r| matches!(r, Remark::Through { .. }));
-    let Some(Remark::Through {
+        .find(|r| matches!(r, Remark::Through(_)));
+    let Some(Remark::Through(remark::Through {
         set,
         faces,
         share,
         contrast,
         width,
-    }) = remark
+    })) = remark
     else {
         panic!("nothing told")
     };
@@ -308,7 +308,11 @@ fn a_scene_names_what_runs_through() {
     };
     let simulation = read(&text).unwrap().prepare().unwrap();
     let mut remarks = simulation.remarks().iter();
-    assert!(remarks.any(|r| matches!(r, Remark::Through { faces, .. } if faces.len() == 3)));
+    assert!(
+        remarks.any(
+            |r| matches!(r, Remark::Through(remark::Through { faces, .. }) if faces.len() == 3)
+        )
+    );
     simulation.run(RunHooks::default()).unwrap();
     for (through, message) in [
         ("", "`through`"),

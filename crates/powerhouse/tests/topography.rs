@@ -13,7 +13,7 @@ use powerhouse::wavefield::{
     Angle, Complex, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind,
 };
 use powerhouse::{
-    Boundary, FileScene, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, SceneRemark,
+    Boundary, FileScene, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene, remark,
 };
 use powerhouse_test_support::TestFolder;
 
@@ -354,7 +354,7 @@ fn relief_is_reported() {
             let simulation = scene.prepare().unwrap();
             let remarks = simulation.remarks();
             let told = remarks.iter().find_map(|remark| match remark {
-                Remark::Scene(SceneRemark::Relief {
+                Remark::Relief(remark::Relief {
                     surface,
                     lowest,
                     highest,
@@ -369,7 +369,7 @@ fn relief_is_reported() {
             );
             let loaded = remarks
                 .iter()
-                .any(|r| matches!(r, Remark::LoadedSurface { .. }));
+                .any(|r| matches!(r, Remark::LoadedSurface(_)));
             assert!(!loaded, "{height} {thickness}");
         }
     }
@@ -414,7 +414,9 @@ fn a_hill_rests_under_its_weight() {
         .replace("arrival = 0.2", "arrival = 1");
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let mut remarks = simulation.remarks().iter();
-    assert!(remarks.any(|r| matches!(r, Remark::AboveGround { top, .. } if *top == HILL)));
+    assert!(remarks.any(
+        |r| matches!(r, Remark::AboveGround(remark::AboveGround { top, .. }) if *top == HILL)
+    ));
     let results = simulation.run(RunHooks::default()).unwrap();
     let crest = &results.histories.column("crest.vz").unwrap().values;
     let fastest = crest.iter().fold(0.0f64, |m, v| m.max(v.abs()));

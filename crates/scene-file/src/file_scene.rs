@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_scene::magnitude::Magnitude;
 use powerhouse_scene::{
-    Error, Fault, FirstOfSet, Places, ResidualLimit, Scene, SceneRemark, SceneText, Simulation,
-    Subject,
+    Error, Fault, FirstOfSet, Places, ResidualLimit, Scene, SceneText, Simulation, Subject, remark,
 };
 
 use crate::engine::gpu_engine;
@@ -203,11 +202,11 @@ impl FileScene {
         let changes = file.changes().to_vec();
         if !changes.is_empty() {
             let changes = changes.clone();
-            scene.remark_once(SceneRemark::ChangedKeys { changes });
+            scene.remark_once(remark::ChangedKeys { changes });
         }
         for former in file.former_keys() {
             let (table, [former, present]) = (former.table, *former.names);
-            scene.remark_once(SceneRemark::FormerKey {
+            scene.remark_once(remark::FormerKey {
                 table,
                 former,
                 present,
@@ -218,14 +217,14 @@ impl FileScene {
         if let (Some(set), Some(first), false) =
             (spec.record_sets.first(), of_set.first(), is_of_set)
         {
-            scene.remark_once(SceneRemark::FirstOfRecordSet(FirstOfSet {
+            scene.remark_once(FirstOfSet {
                 set: set.name.to_string(),
                 first: first.case.clone(),
                 cases: of_set.len(),
-            }));
+            });
         }
         for magnitude in unusual {
-            scene.remark_once(SceneRemark::Magnitude(magnitude));
+            scene.remark_once(magnitude);
         }
         // With the text, faults of the whole scene are reported with line and column.
         let text = file.text().clone();
@@ -385,6 +384,6 @@ fn choose_engine(scene: &mut Scene, file: &SceneSpec, registry: &Registry) -> Re
     }
     (scene.output.energies, scene.residual) = (None, ResidualLimit::Unchecked);
     let engine = scene.engine.name().to_owned();
-    scene.remark_once(SceneRemark::NoEnergyBalance { engine });
+    scene.remark_once(remark::NoEnergyBalance { engine });
     Ok(())
 }

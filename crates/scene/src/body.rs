@@ -10,7 +10,7 @@ use powerhouse_model::{
 
 use crate::acting::{StagedLoad, function};
 use crate::stage::WaterAtRest;
-use crate::{Error, HighDamping, Kernel, Part, Remark, Scene, SceneRemark};
+use crate::{Error, HighDamping, Kernel, Part, Remark, Scene, remark};
 use powerhouse_laws::{Damping, DampingCost, Material};
 
 /// Most elements whose highest frequency is sought together.
@@ -67,9 +67,11 @@ impl Scene {
         let (mut pieces, mut remarks) = (Vec::new(), Vec::new());
         for (place, (part, rim)) in self.parts.iter().zip(rims).enumerate() {
             let warnings = part.material.warnings().iter();
-            remarks.extend(warnings.map(|warning| Remark::Material {
-                set: part.set.clone(),
-                warning: warning.clone(),
+            remarks.extend(warnings.map(|warning| {
+                Remark::from(remark::Material {
+                    set: part.set.clone(),
+                    warning: warning.clone(),
+                })
             }));
             let kinds = self.by_kind(part)?;
             if let Some(kernel) = part.unused_kernel(kinds.iter().map(|(kind, _)| *kind)) {
@@ -100,7 +102,7 @@ impl Scene {
                     .map(|(kernel, inner, _)| (kernel, &inner[..]));
                 let high = self.high_damping(part, &moving, all)?;
                 damping.stiffness += high.coefficient;
-                remarks.push(Remark::Scene(SceneRemark::HighDamping(high)));
+                remarks.push(Remark::HighDamping(high));
             }
             for (kernel, inner, at_rim) in divided {
                 for (elements, material, damping, rim) in [
@@ -219,32 +221,32 @@ impl Scene {
             reference,
         } = &part.damping
         {
-            facts.push(Remark::FlatDamping {
+            facts.push(Remark::from(remark::FlatDamping {
                 set: set(),
                 cost: DampingCost::of(&part.material, moving, (spectrum, *reference))?,
                 by_default: part.damping == *part.material.default_damping(),
-            });
+            }));
         }
         if let Damping::Rayleigh(rayleigh) = &part.damping
             && rayleigh.stiffness != 0.0
             && !part.material.is_linear()
         {
-            facts.push(Remark::DampedHistory {
+            facts.push(Remark::from(remark::DampedHistory {
                 set: set(),
                 law: part.material.name().into(),
-            });
+            }));
         }
         if let Some(width) = part.rim {
             let of = self.mesh.element_set(&part.set)?.len();
-            facts.push(Remark::Rim {
+            facts.push(Remark::from(remark::Rim {
                 set: set(),
                 width,
                 elements: rim.len(),
                 of,
-            });
+            }));
             let changes = part.damping != Damping::None || !part.material.is_linear();
             if rim.len() == of && (changes || width > 0.0) {
-                facts.push(Remark::Scene(SceneRemark::WholeRim { set: set() }));
+                facts.push(remark::WholeRim { set: set() }.into());
             }
         }
         Ok(facts)

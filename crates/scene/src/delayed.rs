@@ -4,7 +4,8 @@ use powerhouse_model::{PeriodicPairs, StiffElements, Vec3};
 use powerhouse_wavefield::{PlaneWave, WaveKind};
 use thiserror::Error;
 
-use crate::{Boundary, Error, InitialMotion, Part, Scene};
+use crate::remark::{Kind, described};
+use crate::{Boundary, Error, InitialMotion, Part, Scene, Topic};
 use powerhouse_laws::Damping;
 
 /// Largest product of the slowness along y and the speed of P waves of a part: of the ground, up to which plane waves are
@@ -104,6 +105,8 @@ impl StiffPart {
 
 /// Ratio of a stiff part up to which the axial stress of the rings of the tests errs by 3 %, and by 8 % above.
 const WELL_BELOW: f64 = 1.35;
+
+described!(StiffPart, |_| Kind::Warning(Topic::Run));
 
 impl core::fmt::Display for StiffPart {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{Fibre, Mesh, MeshError, ParameterError};
 
-use crate::Error;
 use crate::fibre_price::FibreShift;
 use crate::fibres::MOST_NODES;
-use crate::scene_remark::quoted;
+use crate::remark::{Kind, described, quoted};
+use crate::{Error, Topic};
 
 /// Share of the requested gain of the step below which it falls short.
 const ENOUGH: f64 = 0.5;
@@ -97,6 +97,11 @@ impl FibreChoice {
         texts.collect::<Vec<String>>().join(", ")
     }
 }
+
+described!(Box<FibreChoice>, |choice| Kind::warning_if(
+    choice.falls_short(),
+    Topic::Run
+));
 
 impl fmt::Display for FibreChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -2,6 +2,9 @@
 
 use core::fmt;
 
+use crate::Topic;
+use crate::remark::{Kind, described};
+
 /// Motion of a scene with a set of records where it is no case of the set: that of the first of these cases.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FirstOfSet {
@@ -12,6 +15,8 @@ pub struct FirstOfSet {
     /// Number of the cases of the set.
     pub cases: usize,
 }
+
+described!(FirstOfSet, |_| Kind::Fact(Topic::Input));
 
 impl fmt::Display for FirstOfSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -8,7 +8,7 @@ use crate::check_heights::CheckHeights;
 use crate::surroundings::{
     SIDE_TOLERANCE, TRACTION_INSTANTS, TRACTION_OF_NOTE, TRACTION_POINTS, is_held, larger,
 };
-use crate::{Error, Remark, Scene, SceneRemark};
+use crate::{Error, Remark, Scene, remark};
 
 /// Share of the slowness of a plane wave along a direction below which it travels across it: that of rounding.
 const ACROSS: f64 = 1e-9;
@@ -79,13 +79,13 @@ impl Scene {
         // A field that moves along the restrained directions has traction along the free ones: one warning is enough.
         if let Some(held) = held_node.filter(|_| is_notable(share)) {
             let node = tag(held.node);
-            remarks.push(SceneRemark::RestrainedField { share, node });
+            remarks.push(remark::RestrainedField { share, node }.into());
         } else if let Some(plane) = plane.filter(|_| is_notable(missing)) {
-            remarks.push(SceneRemark::AsymmetricField {
+            remarks.push(Remark::from(remark::AsymmetricField {
                 share: missing,
                 node: tag(plane.node),
                 speed: self.apparent_speed(&plane.normal),
-            });
+            }));
         }
         let share = found.difference.0 / found.fastest;
         let strain = found.strain.0 * medium.s_speed() / found.fastest;
@@ -97,15 +97,15 @@ impl Scene {
         if let Some(&[from, to]) = pair.filter(|_| is_notable(share) || is_notable(strain)) {
             let positions = self.mesh.positions();
             let along = positions[to as usize] - positions[from as usize];
-            remarks.push(SceneRemark::PeriodicField {
+            remarks.push(Remark::from(remark::PeriodicField {
                 share,
                 strain,
                 nodes: [tag(from), tag(to)],
                 distance: along.norm(),
                 speed: self.apparent_speed(&along.normalize()),
-            });
+            }));
         }
-        Ok(remarks.into_iter().map(Remark::Scene).collect())
+        Ok(remarks)
     }
 
     /// Supported nodes, held outer facets that do not absorb, and periodic pairs; of each at most a given number.

@@ -2,6 +2,9 @@
 
 use core::fmt;
 
+use crate::Topic;
+use crate::remark::{Kind, described};
+
 /// Viscosity of a part that damps the highest frequencies of its elements, [`Part::high`](crate::Part::high).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -27,6 +30,8 @@ impl HighDamping {
         self.ratio.hypot(1.0) - self.ratio
     }
 }
+
+described!(HighDamping, |_| Kind::Fact(Topic::Run));
 
 impl fmt::Display for HighDamping {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

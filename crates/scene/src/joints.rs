@@ -8,7 +8,7 @@ use powerhouse_elements::{BoltSegment, BoltSet};
 use powerhouse_model::{ContactLaw, ElasticMedium, JointInput, PeriodicPairs, Vec3};
 
 use crate::joint::{Closing, NamedJoint, NamedSurface, WaterInJoints};
-use crate::{Error, Part, Remark, Scene, SceneBolts, SceneJoint, SceneRemark};
+use crate::{Error, Part, Remark, Scene, SceneBolts, SceneJoint, remark};
 use powerhouse_laws::Damping;
 
 /// Group of joints with common nodes, and their nodes.
@@ -107,7 +107,7 @@ impl Scene {
             let undamped = undamped.filter(is_undamped);
             let sets: Vec<String> = undamped.map(|part| part.set.clone()).collect();
             if !sets.is_empty() {
-                remarks.push(Remark::Scene(SceneRemark::UndampedFriction {
+                remarks.push(Remark::from(remark::UndampedFriction {
                     joint: joint.name.clone(),
                     friction,
                     sets,
@@ -138,7 +138,7 @@ impl Scene {
             };
             let crossing = (0..bolts.len()).filter(crosses).count();
             (crossing > 0).then(|| {
-                Remark::Scene(SceneRemark::CutBolts {
+                Remark::from(remark::CutBolts {
                     bolts: bolts.name().into(),
                     joint: joint.name.clone(),
                     crossing,
@@ -160,12 +160,12 @@ impl Scene {
                 area += if own < 1.0 { pair.area } else { 0.0 };
             }
             if area > 0.0 {
-                remarks.push(Remark::ReducedStrength {
+                remarks.push(Remark::from(remark::ReducedStrength {
                     joint: joint.name.clone(),
                     factor,
                     area,
                     of: joint.surface.area(),
-                });
+                }));
             }
         }
         Ok(remarks)

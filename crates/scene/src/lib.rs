@@ -51,11 +51,10 @@ mod program_sources;
 mod reduction;
 mod region;
 mod relief;
-mod remark;
+pub mod remark;
 mod resolution;
 mod rim;
 mod scene;
-mod scene_remark;
 mod simulation;
 mod soundness;
 mod stage;
@@ -97,7 +96,6 @@ pub use remark::{
 };
 pub use resolution::Resolution;
 pub use scene::{InitialMotion, ResidualLimit, Scene, TimeStep};
-pub use scene_remark::SceneRemark;
 pub use simulation::{ProgressHook, RunHooks, Simulation};
 pub use stage::{
     BoltLayout, CompletedStage, EquilibratedBody, InSituError, InSituStress, SceneBolts,

@@ -2,6 +2,9 @@
 
 use core::fmt;
 
+use crate::Topic;
+use crate::remark::{Kind, described};
+
 /// Quantity of a scene whose value lies outside its usual range.
 ///
 /// Such a value is nearly always a mistaken unit: Young's modulus in GPa instead of Pa, a density in t/m3, a peak
@@ -34,6 +37,8 @@ pub struct ProbableUnit {
     /// Value in SI units if it was given in that unit.
     pub value: f64,
 }
+
+described!(Magnitude, |_| Kind::Warning(Topic::Run));
 
 impl fmt::Display for Magnitude {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -64,14 +64,10 @@ impl RunNotes {
     /// All warnings without repetitions, those of the results last.
     pub fn all_warnings(&self, of_results: &[Remark]) -> Vec<Message> {
         let remarks = self.remarks.iter().filter(|remark| remark.is_warning());
-        let mut warnings: Vec<Message> = Vec::new();
         let all = (remarks.map(Remark::message))
             .chain(self.warnings.iter().cloned())
             .chain(of_results.iter().map(Remark::message));
-        for warning in all {
-            warnings.push(warning);
-        }
-        merge_messages(warnings)
+        merge_messages(all)
     }
     /// Texts of the remarks that are facts.
     pub fn facts(&self) -> Vec<String> {

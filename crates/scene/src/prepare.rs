@@ -15,8 +15,8 @@ use crate::places::placed;
 use crate::stage::{Staging, Timeline, last_renewal};
 use crate::through::FieldInGround;
 use crate::{
-    Error, InitialMotion, Piece, Remark, ResidualLimit, Scene, SceneRemark, Simulation, Subject,
-    TimeStep,
+    Error, InitialMotion, Piece, Remark, ResidualLimit, Scene, Simulation, Subject, TimeStep,
+    remark,
 };
 
 /// Tolerance of heights above a level, over the diagonal of the mesh.
@@ -76,17 +76,17 @@ impl Scene {
         let rims = self.rims()?;
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let stiff = self.stiff_parts().into_iter();
-        remarks.extend(stiff.map(|part| Remark::Scene(SceneRemark::StiffPart(part))));
+        remarks.extend(stiff.map(Remark::StiffPart));
         let timeline = Timeline::of(&self)?;
         remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.sudden_motions());
         remarks.extend(self.joints.iter().filter_map(|joint| {
             let (stage, renewal) = last_renewal(&self.stages, &joint.name)?;
-            Some(Remark::JointRenewed {
+            Some(Remark::from(remark::JointRenewed {
                 joint: joint.name.clone(),
                 stage: stage.map(str::to_owned),
                 renewal,
-            })
+            }))
         }));
         remarks.extend(self.reduced_joints()?);
         remarks.extend(self.undamped_friction()?);
@@ -126,7 +126,7 @@ impl Scene {
                 let coarse = timeline.bolts(self.stages.len()).filter_map(|set| {
                     let (bolts, error) = (set.name().to_owned(), set.segment_error());
                     (error > COARSE_BOLTS)
-                        .then_some(Remark::Scene(SceneRemark::CoarseBolts { bolts, error }))
+                        .then_some(Remark::from(remark::CoarseBolts { bolts, error }))
                 });
                 remarks.extend(coarse);
                 for set in timeline.bolts(self.stages.len()) {
@@ -155,8 +155,7 @@ impl Scene {
             Some(options) => {
                 let choice = fibre_site.choose(options, model.as_mut(), integrator.as_ref())?;
                 choice.check(options)?;
-                let remark = SceneRemark::Fibres(Box::new(choice.clone()));
-                self.remarks.push(Remark::Scene(remark));
+                self.remarks.push(Remark::Fibres(Box::new(choice.clone())));
                 Some(choice)
             }
             None => None,
@@ -193,7 +192,7 @@ impl Scene {
     fn tables_made(&mut self) {
         let remarks = self.remarks.iter_mut();
         let of_layers = remarks.filter_map(|remark| match remark {
-            Remark::Layered { report, bytes, .. } => Some((report, bytes)),
+            Remark::Layered(remark::Layered { report, bytes, .. }) => Some((report, bytes)),
             _ => None,
         });
         for (wave, (report, bytes)) in self.layered.iter().zip(of_layers) {
@@ -216,7 +215,7 @@ impl Scene {
         let top = heights.fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = self.mesh.bounding_box();
         let above = top - level > ROUNDING_OF_PLACE * (high - low).norm();
-        above.then_some(Remark::AboveGround { level, top })
+        above.then_some(Remark::from(remark::AboveGround { level, top }))
     }
 
     /// Warnings about prescribed motions that do not begin at rest, where the body does.
@@ -250,24 +249,24 @@ impl Scene {
                 0.0
             };
             if displacement.abs() > SUDDEN_DISPLACEMENT * farthest {
-                remarks.push(SceneRemark::PrescribedJump {
+                remarks.push(Remark::from(remark::PrescribedJump {
                     nodes,
                     node,
                     displacement,
-                });
+                }));
             }
             let velocity = (at(START_SHARE * interval) - values[0]) / (START_SHARE * interval);
             let share = velocity.abs() / changes.fold(velocity.abs(), f64::max);
             if share > SUDDEN_VELOCITY {
-                remarks.push(SceneRemark::PrescribedVelocity {
+                remarks.push(Remark::from(remark::PrescribedVelocity {
                     nodes,
                     node,
                     velocity,
                     share,
-                });
+                }));
             }
         }
-        remarks.into_iter().map(Remark::Scene).collect()
+        remarks
     }
 
     /// Specification of the dynamic model without initial motion; warnings about its surroundings are added to the remarks.
@@ -289,7 +288,7 @@ impl Scene {
         let present = timeline.and_then(Timeline::present);
         let parts = self.boundary_parts(present, remarks)?;
         let warnings = self.gravity_warnings(parts.as_ref());
-        remarks.extend(warnings.into_iter().map(Remark::Scene));
+        remarks.extend(warnings);
         if let Some(parts) = parts {
             spec = spec.boundary(parts);
         }
@@ -307,8 +306,7 @@ impl Scene {
             None => WaterInJoints::of(self).map_err(|source| Error::staging(None, source))?,
         };
         let wet = self.wet_joints(&in_joints, timeline.and_then(Timeline::water))?;
-        let wet = wet.into_iter().map(SceneRemark::WetJoint);
-        remarks.extend(wet.map(Remark::Scene));
+        remarks.extend(wet.into_iter().map(Remark::WetJoint));
         let (joints, surfaces) = self.constraints_of_joints(|_| Closing::Own, &in_joints)?;
         for joint in joints {
             spec = spec.constraint(Box::new(joint) as Box<dyn Constraint>);
@@ -382,7 +380,7 @@ impl Scene {
         let springs = |node: &NodalImpedance| node.spring != Mat3::zeros();
         if boundary.scatterer.is_none() && parts.impedance.iter().any(springs) {
             let position = scatterer;
-            remarks.push(Remark::Scatterer { position });
+            remarks.push(remark::Scatterer { position }.into());
         }
         if let (Some(field), []) = (field, &parts.loads[..]) {
             return Err(Error::UnusedField {

@@ -4,7 +4,7 @@ use powerhouse_boundary::ReductionLayer;
 use powerhouse_model::{BoundarySite, IncidentField};
 use thiserror::Error;
 
-use crate::{Error, InitialMotion, Remark, Scene, reduction_layer};
+use crate::{Error, InitialMotion, Remark, Scene, reduction_layer, remark};
 use powerhouse_laws::Damping;
 
 /// Why domain reduction through the layer around a region is refused.
@@ -88,10 +88,10 @@ impl Scene {
         let part = self.part_of_layer(&elements, field, present)?;
         let layer = reduction_layer(&self.mesh, region, &self.parts[part])?;
         field.check_layer(layer.positions(), layer.inner())?;
-        let remark = Remark::Region {
+        let remark = Remark::from(remark::Region {
             inside: region.len(),
             layer: elements.len(),
-        };
+        });
         Ok(Some((layer, remark)))
     }
 

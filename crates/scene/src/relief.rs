@@ -6,7 +6,7 @@ use powerhouse_model::{Facet, MeshError};
 use powerhouse_wavefield::Site;
 
 use crate::surroundings::SIDE_TOLERANCE;
-use crate::{Remark, Scene, SceneRemark};
+use crate::{Remark, Scene, remark};
 
 /// Greatest vertical component of the normal of a side.
 const UPRIGHT: f64 = 0.707;
@@ -91,7 +91,7 @@ impl Scene {
             }
         }
         let is_flat = highest - surface <= tolerance && surface - lowest <= tolerance;
-        (!is_flat).then_some(Remark::Scene(SceneRemark::Relief {
+        (!is_flat).then_some(Remark::from(remark::Relief {
             surface,
             lowest,
             highest,

@@ -16,7 +16,7 @@ use crate::engine::{Leapfrog, standard_engine};
 use crate::in_use::InUse;
 use crate::{
     Boundary, Error, FibreOptions, InSituStress, Mirror, OutputPlan, Part, Places, Remark,
-    SceneBolts, SceneJoint, SceneRemark, SceneStage, Subject, WaterBeside, places::placed,
+    SceneBolts, SceneJoint, SceneStage, Subject, WaterBeside, places::placed, remark,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
@@ -484,7 +484,7 @@ impl Scene {
             || self.stages.iter().any(of_stage)
     }
     /// Warning about stages that lack the stress or the weight of the ground.
-    pub fn lacking_ground(&self) -> Option<SceneRemark> {
+    pub fn lacking_ground(&self) -> Option<Remark> {
         if self.stages.is_empty() {
             return None;
         }
@@ -495,9 +495,9 @@ impl Scene {
             || !self.prescribed.is_empty()
             || self.stages.iter().any(|stage| !stage.loads.is_empty());
         match &self.in_situ_stress {
-            None if !loaded => Some(SceneRemark::IdleStages),
+            None if !loaded => Some(remark::IdleStages {}.into()),
             Some(stress) if !weighs && stress.grows_with_depth() => {
-                Some(SceneRemark::WeightlessGround)
+                Some(remark::WeightlessGround {}.into())
             }
             _ => None,
         }

@@ -21,8 +21,8 @@ use crate::stage::{
     StagingOutcome, StagingStart,
 };
 use crate::{
-    Error, FibreChoice, FibreOptions, Places, Remark, ResidualLimit, SceneBolts, SceneRemark,
-    SceneStage, Subject, TableSink, TimeStep, field_motion,
+    Error, FibreChoice, FibreOptions, Places, Remark, ResidualLimit, SceneBolts, SceneStage,
+    Subject, TableSink, TimeStep, field_motion, remark,
 };
 
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
@@ -341,31 +341,27 @@ impl Simulation {
             };
             let asked = interval.filter(|interval| !by_default(*interval));
             let finding = match asked {
-                Some(interval) if interval < step => SceneRemark::ShortInterval {
+                Some(interval) if interval < step => Remark::from(remark::ShortInterval {
                     what,
                     interval,
                     step,
-                },
-                Some(interval) if interval > self.duration => SceneRemark::LongInterval {
+                }),
+                Some(interval) if interval > self.duration => Remark::from(remark::LongInterval {
                     what,
                     interval,
                     duration: self.duration,
-                },
+                }),
                 _ => continue,
             };
             let is_said = |remark: &Remark| {
-                let finding = match remark {
-                    Remark::Scene(finding) => finding,
-                    _ => return false,
-                };
                 matches!(
-                    finding,
-                    SceneRemark::ShortInterval { what: said, .. }
-                        | SceneRemark::LongInterval { what: said, .. } if *said == what
+                    remark,
+                    Remark::ShortInterval(remark::ShortInterval { what: said, .. })
+                        | Remark::LongInterval(remark::LongInterval { what: said, .. }) if *said == what
                 )
             };
             if !self.remarks.iter().any(is_said) {
-                self.remarks.push(Remark::Scene(finding));
+                self.remarks.push(finding);
             }
         }
     }

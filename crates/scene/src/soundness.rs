@@ -6,8 +6,7 @@ use powerhouse_model::{BoundaryParts, Mesh, Support, Vec3};
 
 use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
-use crate::scene_remark::SceneRemark;
-use crate::{Error, Remark, Scene};
+use crate::{Error, Remark, Scene, remark};
 
 /// Least cosine between two directions for a support along one to restrain the other: that of 80 degrees.
 const ALONG: f64 = 0.17;
@@ -106,14 +105,14 @@ impl Scene {
                 let magnitude = Box::new(magnitude);
                 return Err(Error::Magnitude { magnitude, of });
             }
-            self.remark_once(SceneRemark::Magnitude(magnitude));
+            self.remark_once(magnitude);
         }
         Ok(())
     }
 
     /// Adds a remark unless the scene has it already.
-    pub fn remark_once(&mut self, remark: SceneRemark) {
-        let remark = Remark::Scene(remark);
+    pub fn remark_once(&mut self, remark: impl Into<Remark>) {
+        let remark = remark.into();
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }
@@ -129,7 +128,7 @@ impl Scene {
     pub fn check_threads(&mut self) {
         let available = available_threads();
         if let Some(wanted) = self.threads.filter(|wanted| *wanted > available) {
-            self.remark_once(SceneRemark::Threads { wanted, available });
+            self.remark_once(remark::Threads { wanted, available });
         }
     }
 
@@ -164,7 +163,7 @@ impl Scene {
     }
 
     /// Warnings about gravity in a scene without stages: unsupported bodies, and gravity applied suddenly.
-    pub(super) fn gravity_warnings(&self, boundary: Option<&BoundaryParts>) -> Vec<SceneRemark> {
+    pub(super) fn gravity_warnings(&self, boundary: Option<&BoundaryParts>) -> Vec<Remark> {
         let acts = |(acceleration, history): &&(Vec3, crate::acting::SharedFunction)| {
             acceleration.norm() * history.value(self.start).abs() > 0.0
                 || (acceleration.norm() > 0.0 && history.value(self.start + self.duration) != 0.0)
@@ -202,9 +201,9 @@ impl Scene {
             self.constraints.is_empty() && boundary.is_none_or(|parts| parts.blocks.is_empty());
         if !falling.is_empty() && alone {
             let sets = falling.into_iter().map(str::to_owned).collect();
-            warnings.push(SceneRemark::UnsupportedBody { sets });
+            warnings.push(remark::UnsupportedBody { sets }.into());
         } else if self.is_sudden() {
-            warnings.push(SceneRemark::SuddenGravity);
+            warnings.push(remark::SuddenGravity {}.into());
         }
         warnings
     }

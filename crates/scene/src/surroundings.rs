@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use powerhouse_boundary::{BoundaryError, nodes_in_other_media};
 use powerhouse_model::{BoundarySite, Facet, FieldMotion, FieldSampler, IncidentField, Mesh, Vec3};
 
-use crate::{Error, InitialMotion, Remark, Scene, SceneRemark};
+use crate::{Error, InitialMotion, Remark, Scene, remark};
 use powerhouse_laws::Damping;
 
 /// Largest permitted displacement and velocity of a field over their peaks at the start of a body at rest. A single
@@ -175,11 +175,11 @@ impl Scene {
                 let is_damped = part.damping != Damping::None || self.has_damped_layers();
                 if is_damped && !self.is_damped_like_field(index, faces)? {
                     let set = part.set.clone();
-                    remarks.push(Remark::DampedRim { set });
+                    remarks.push(remark::DampedRim { set }.into());
                 }
                 if !part.material.is_linear() {
                     let (set, law) = (part.set.clone(), part.material.name().into());
-                    remarks.push(Remark::NonlinearRim { set, law });
+                    remarks.push(remark::NonlinearRim { set, law }.into());
                 }
             }
         }
@@ -277,7 +277,7 @@ impl Scene {
         let is_above = position.z - high.z > SIDE_TOLERANCE * (high - low).norm();
         is_above.then(|| {
             let (height, top) = (position.z, high.z);
-            Remark::Scene(SceneRemark::ScattererAbove { height, top })
+            Remark::from(remark::ScattererAbove { height, top })
         })
     }
 
@@ -296,10 +296,10 @@ impl Scene {
         let faces = faces
             .iter()
             .filter(|(_, facets)| facets.iter().any(lies_on));
-        let warnings = faces.map(|(face, _)| SceneRemark::AbsorbingSurface {
-            face: (*face).into(),
-        });
-        warnings.map(Remark::Scene).collect()
+        let faces = faces.map(|(face, _)| (*face).to_owned());
+        faces
+            .map(|face| remark::AbsorbingSurface { face }.into())
+            .collect()
     }
 
     /// Sides of the bounding box except its top with free facets, and all other free facets.
@@ -323,7 +323,7 @@ impl Scene {
             }
         }
         let open = SIDES.iter().zip(areas).filter(|(_, area)| *area > 0.0);
-        let remarks = open.map(|(&(side, ..), area)| Remark::OpenSide { side, area });
+        let remarks = open.map(|(&(side, ..), area)| remark::OpenSide { side, area }.into());
         (remarks.collect(), others)
     }
 
@@ -374,7 +374,7 @@ impl Scene {
         let share = worst.0 / (medium.density * medium.s_speed() * fastest);
         let position = worst.1;
         let is_loaded = share.is_nan() || share > TRACTION_OF_NOTE;
-        Ok(is_loaded.then_some(Remark::LoadedSurface { share, position }))
+        Ok(is_loaded.then_some(Remark::from(remark::LoadedSurface { share, position })))
     }
 }
 

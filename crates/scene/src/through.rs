@@ -4,7 +4,7 @@ use powerhouse_model::{ElasticMedium, Facet, FieldSampler, IncidentField, ModelE
 use thiserror::Error;
 
 use crate::layers::is_like;
-use crate::{Error, Remark, Scene};
+use crate::{Error, Remark, Scene, remark};
 
 /// Why a part cannot run through absorbing faces.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -172,13 +172,13 @@ impl Scene {
                     }
                 }
             }
-            remarks.push(Remark::Through {
+            remarks.push(Remark::from(remark::Through {
                 set: self.parts[index].set.clone(),
                 faces: touched,
                 share: own / all,
                 contrast,
                 width,
-            });
+            }));
         }
         Ok(remarks)
     }

@@ -8,7 +8,7 @@ impl Scene {
     #[must_use]
     pub fn with_duration(mut self, duration: f64) -> Self {
         self.duration = duration;
-        let is_of_duration = |remark: &Remark| matches!(remark, Remark::TruncatedRecord { .. });
+        let is_of_duration = |remark: &Remark| matches!(remark, Remark::TruncatedRecord(_));
         self.remarks.retain(|remark| !is_of_duration(remark));
         self
     }

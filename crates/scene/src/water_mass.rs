@@ -7,8 +7,9 @@ use powerhouse_elements::{FaceMass, WaterMass};
 use powerhouse_model::{EngineError, Facet};
 use thiserror::Error;
 
-use crate::Scene;
+use crate::remark::{Kind, described};
 use crate::stage::surface_of;
+use crate::{Scene, Topic};
 
 /// Speed of sound in water (m/s), of a bulk modulus of 2.2 GPa and 1000 kg/m3.
 const SOUND: f64 = 1483.0;
@@ -122,6 +123,11 @@ impl AddedWater {
         self.limits.is_some_and(|[lean, _]| lean > LEANING)
     }
 }
+
+described!(AddedWater, |water| Kind::warning_if(
+    water.is_warning(),
+    Topic::Run
+));
 
 impl fmt::Display for AddedWater {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

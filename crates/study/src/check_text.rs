@@ -99,8 +99,7 @@ fn whole(out: &mut String, report: &CheckReport) {
     }
     sections(out, &report.sections);
     stages(out, &report.stages);
-    let of_part =
-        |remark: &&Remark| matches!(remark, Remark::FlatDamping { .. } | Remark::Rim { .. });
+    let of_part = |remark: &&Remark| matches!(remark, Remark::FlatDamping(_) | Remark::Rim(_));
     if report.remarks.iter().any(|remark| of_part(&remark)) {
         line!(out, "\nparts");
         out.push_str(&text::of_remarks(report.remarks.iter().filter(of_part)));

@@ -291,7 +291,8 @@ fn nearer_faces_leave_the_predicted_elements() {
             .part(Part::new("lining", rock()))
     };
     let of_share = |share| of_ground(share, ROCK);
-    let is_nearer = |change: &Change| matches!(change, Change::NearerFaces { share } if *share == 0.75);
+    let is_nearer =
+        |change: &Change| matches!(change, Change::NearerFaces { share } if *share == 0.75);
     let report = check(of_share(1.0)).unwrap();
     let nearer = of(&report.savings, is_nearer);
     // The sides are 30 m from the middle of the structure, the lower face is 45 m below it; the surface

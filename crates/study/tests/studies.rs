@@ -13,7 +13,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{
     Boundary, FileScene, Material, OutputPlan, Part, Registry, Remark, RunHooks, Scene,
-    SnapshotRequest,
+    SnapshotRequest, remark,
 };
 use powerhouse_study::{FreeFieldCheck, FreeFieldReport, StudyError, Warning, check, warnings};
 
@@ -342,11 +342,11 @@ fn a_check_warns() {
         .into_scene();
     let warnings = check(scene).unwrap().warnings;
     assert!(warnings.iter().any(
-        |warning| matches!(warning, Warning::Remark(Remark::DampedRim { set }) if set == "rock")
+        |warning| matches!(warning, Warning::Remark(Remark::DampedRim(remark::DampedRim { set })) if set == "rock")
     ));
-    let unused = Remark::UnusedRecord {
+    let unused = Remark::from(remark::UnusedRecord {
         name: "el-centro-ns".into(),
-    };
+    });
     assert!(!warnings.contains(&Warning::Remark(unused.clone())));
     let text = text.replace(
         "record = \"el-centro-ns\"",
@@ -363,7 +363,7 @@ fn a_check_warns() {
         .into_scene();
     assert!(!scene.remarks().contains(&unused));
     // A run that ends within the strong motion is warned of, unless it is given another duration.
-    let is_short = |remark: &Remark| matches!(remark, Remark::TruncatedRecord { .. });
+    let is_short = |remark: &Remark| matches!(remark, Remark::TruncatedRecord(_));
     let text = std::fs::read_to_string(path).unwrap();
     let text = text.replace("duration = 20", "duration = 2");
     let scene = FileScene::from_toml(text, path, &Registry::default())

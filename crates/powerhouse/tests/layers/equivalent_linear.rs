@@ -6,7 +6,7 @@ use powerhouse::model::{ElasticMedium, FieldMotion, IncidentField, Vec3};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind,
 };
-use powerhouse::{EquivalentLayer, Remark, RunHooks, Scene};
+use powerhouse::{EquivalentLayer, Remark, RunHooks, Scene, remark};
 
 use super::{SITE, read};
 
@@ -29,12 +29,12 @@ fn site(clay: &str, gravel: &str, others: &[(&str, &str)]) -> String {
 /// The layers of the remark, number of iterations and last change.
 pub(super) fn figures(scene: &Scene) -> (Vec<EquivalentLayer>, usize, f64) {
     let found = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::EquivalentLinear {
+        Remark::EquivalentLinear(remark::EquivalentLinear {
             layers,
             iterations,
             change,
             ..
-        } => Some((layers.clone(), *iterations, *change)),
+        }) => Some((layers.clone(), *iterations, *change)),
         _ => None,
     });
     found.expect("a remark")
@@ -333,7 +333,7 @@ fn what_does_not_fit_the_method_is_refused() {
     let short = "strain_curves = { kind = \"points\", strain = [1e-7, 1e-6], modulus = [1, 0.9], damping_ratio = [0.01, 0.02] }";
     let scene = read(&site(short, "", &[])).unwrap();
     let warned = scene.remarks().iter().find(|remark| {
-        matches!(remark, Remark::BeyondStrainCurves { material, .. } if material == "clay")
+        matches!(remark, Remark::BeyondStrainCurves(remark::BeyondStrainCurves { material, .. }) if material == "clay")
     });
     assert!(warned.is_some_and(Remark::is_warning));
 }

@@ -18,7 +18,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{
     Boundary, Damping, Error, FileScene, LayerError, Material, OutputPlan, Part, Registry, Remark,
-    RenderFault as _, RunHooks, Scene,
+    RenderFault as _, RunHooks, Scene, remark,
 };
 
 /// Names and lower ends (m) of the layers, the half-space last, and their media.
@@ -144,7 +144,7 @@ fn error(size: f64, kind: WaveKind, degrees: f64, delay: f64, damped: bool) -> f
     let warned = simulation
         .remarks()
         .iter()
-        .any(|r| matches!(r, Remark::DampedRim { .. }));
+        .any(|r| matches!(r, Remark::DampedRim(_)));
     assert!(!warned, "the field is damped like the body");
     let results = simulation.run(RunHooks::default()).unwrap();
     let sampler = wave.prepare(&points).unwrap();
@@ -239,7 +239,7 @@ fn a_scene_has_layers() {
     assert!((ground.half_space().young - 5e9).abs() < 1.0);
     assert!(scene.plane_waves().is_empty());
     let tables = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::Layered { bytes, .. } => Some(*bytes),
+        Remark::Layered(remark::Layered { bytes, .. }) => Some(*bytes),
         _ => None,
     });
     assert!((100_000..50_000_000).contains(&tables.unwrap()));

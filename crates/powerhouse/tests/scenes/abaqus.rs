@@ -1,7 +1,7 @@
 //! Meshes of Abaqus input files in scenes.
 
 use powerhouse::model::{ElementKind, Vec3};
-use powerhouse::{FileScene, Registry, Remark, SceneRemark};
+use powerhouse::{FileScene, Registry, Remark, remark};
 use powerhouse_test_support::TestFolder;
 
 /// A bar of two cubes of 1 m along x, with sets, surfaces and a material that is not read.
@@ -84,7 +84,7 @@ fn an_input_file_is_a_mesh() {
         let side = if keys.contains("scale") { 0.25 } else { 1.0 };
         assert!((area + Vec3::x() * side).norm() < 1e-12, "{keys}: {area:?}");
         let skipped = ["*DENSITY", "*MATERIAL"].map(String::from).to_vec();
-        let told = Remark::Scene(SceneRemark::MeshKeywords { skipped });
+        let told = Remark::from(remark::MeshKeywords { skipped });
         assert!(scene.remarks().contains(&told), "{keys}");
         scene.with_directory(folder.join("out")).prepare().unwrap();
     }
@@ -104,7 +104,7 @@ fn what_an_input_file_has_beside_the_mesh_is_reported() {
     let told = scene(&folder, "bar.msh", "").unwrap();
     let left_out = vec![("SPRINGA".to_owned(), 2)];
     let (coupled, omitted) = (2, 1);
-    let warning = Remark::Scene(SceneRemark::MeshLeftOut {
+    let warning = Remark::from(remark::MeshLeftOut {
         left_out,
         coupled,
         omitted,
@@ -133,7 +133,7 @@ fn what_an_input_file_has_beside_the_mesh_is_reported() {
     assert_eq!(told.mesh().element_set("rock").unwrap(), [0, 1, 2, 3]);
     let instances = vec![("a".to_owned(), 0), ("b".to_owned(), 100)];
     let (curves, collapsed) = (0, 0);
-    let fact = Remark::Scene(SceneRemark::MeshContent {
+    let fact = Remark::from(remark::MeshContent {
         curves,
         collapsed,
         instances,
@@ -156,7 +156,7 @@ fn curves_are_bars_of_parts_alone() {
     let told = scene(&folder, "cube.msh", "").unwrap();
     assert_eq!(told.mesh().element_count(), 1);
     let (curves, collapsed, instances) = (1, 0, Vec::new());
-    let fact = Remark::Scene(SceneRemark::MeshContent {
+    let fact = Remark::from(remark::MeshContent {
         curves,
         collapsed,
         instances,

@@ -197,7 +197,7 @@ fn rows_of_a_landing_are_warned_of() {
         let warnings = run(scene).warnings(&mesh);
         let mut texts = warnings
             .iter()
-            .filter(|w| matches!(w, Remark::Undersampled { .. }));
+            .filter(|w| matches!(w, Remark::Undersampled(_)));
         let text = texts.next().unwrap().to_string();
         assert!(
             text.contains("spectra") && text.contains(expected),

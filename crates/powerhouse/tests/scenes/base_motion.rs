@@ -9,7 +9,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{
     Error, FileScene, Material, Part, Registry, Remark, RenderFault as _, Results, RunHooks, Scene,
-    SceneRemark, SceneStage,
+    SceneStage, remark,
 };
 
 use super::support::{Folder, ROCK, Variants, WAVE};
@@ -88,7 +88,7 @@ fn run(scene: Scene) -> (Vec<Remark>, Results) {
 
 fn padding(remarks: &[Remark]) -> Option<f64> {
     remarks.iter().find_map(|remark| match remark {
-        Remark::DelayedMotion { padding, .. } => Some(*padding),
+        Remark::DelayedMotion(remark::DelayedMotion { padding, .. }) => Some(*padding),
         _ => None,
     })
 }
@@ -244,7 +244,7 @@ fn sudden_prescribed_motions_are_warned_of() {
         let mut sudden = [0.0, 0.0, 0.0];
         for remark in simulation.remarks() {
             match remark {
-                Remark::Scene(SceneRemark::PrescribedJump {
+                Remark::PrescribedJump(remark::PrescribedJump {
                     nodes,
                     displacement,
                     ..
@@ -252,7 +252,7 @@ fn sudden_prescribed_motions_are_warned_of() {
                     assert_eq!(*nodes, 4);
                     sudden[0] += displacement;
                 }
-                Remark::Scene(SceneRemark::PrescribedVelocity {
+                Remark::PrescribedVelocity(remark::PrescribedVelocity {
                     velocity, share, ..
                 }) => {
                     sudden[1] += velocity;

@@ -4,7 +4,7 @@ use powerhouse::engine::SolidKernel;
 use powerhouse::engine::observe::CrossSection;
 use powerhouse::material::{LinearElastic, presets};
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
-use powerhouse::{BendingError, Material, OutputPlan, Part, Remark, Scene};
+use powerhouse::{BendingError, Material, OutputPlan, Part, Remark, Scene, remark};
 
 const THICKNESS: f64 = 0.5;
 
@@ -78,7 +78,7 @@ fn few_bricks_that_form_no_hinge_are_warned_of() {
         };
         let remarks = remarks(kernel, material, plate);
         remarks.into_iter().find_map(|remark| match &remark {
-            Remark::Hinge { layers, .. } => {
+            Remark::Hinge(remark::Hinge { layers, .. }) => {
                 Some((*layers, remark.is_warning(), remark.to_string()))
             }
             _ => None,

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{RecordSpectrumReport, Remark, Scene};
+use powerhouse::{RecordSpectrumReport, Remark, Scene, remark};
 
 use super::support::*;
 
@@ -51,7 +51,9 @@ fn record(target: &str, rest: &str) -> String {
 
 fn report<'s>(scene: &'s Scene, part: &str) -> &'s RecordSpectrumReport {
     let found = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::RecordSpectrum { name, report } if name == part => Some(&**report),
+        Remark::RecordSpectrum(remark::RecordSpectrum { name, report }) if name == part => {
+            Some(&**report)
+        }
         _ => None,
     });
     found.unwrap()
@@ -131,7 +133,7 @@ fn a_record_that_drifts_is_matched() {
         "{mean} {least} {most}"
     );
     let baseline = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::Record { baseline, .. } => *baseline,
+        Remark::Record(remark::Record { baseline, .. }) => *baseline,
         _ => None,
     });
     // The whole drift is told, and what both corrections changed.

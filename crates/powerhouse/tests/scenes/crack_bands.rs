@@ -2,7 +2,7 @@
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{Error, FileScene, Registry, Remark, Results, Scene};
+use powerhouse::{Error, FileScene, Registry, Remark, Results, Scene, remark};
 
 use super::support::{Folder, run};
 
@@ -116,7 +116,7 @@ fn stiffness_damping_fades_with_the_stiffness() {
             let scene = pulled(1.0, ("fixed", duration), &format!("{kernel}\n{DAMPED}")).unwrap();
             let simulation = scene.prepare().unwrap();
             let warned = simulation.remarks().iter().any(|remark| {
-                matches!(remark, Remark::DampedHistory { set, law } if set == "bar" && law == "plastic-damage")
+                matches!(remark, Remark::DampedHistory(remark::DampedHistory { set, law }) if set == "bar" && law == "plastic-damage")
                     && remark.is_warning()
             });
             assert!(warned);

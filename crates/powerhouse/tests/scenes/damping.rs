@@ -7,7 +7,7 @@ use powerhouse::material::{
     ReferenceFrequency, RelaxationSpectrum, presets,
 };
 use powerhouse::model::{ElasticMedium, HistoryVariable, LawInput, Mesh, PointLaw, Stress};
-use powerhouse::{Damping, Error, FileScene, Material, Part, Registry, Remark, Scene};
+use powerhouse::{Damping, Error, FileScene, Material, Part, Registry, Remark, Scene, remark};
 
 use super::support::*;
 
@@ -191,7 +191,7 @@ fn the_cost_of_flat_damping_is_reported() {
         let mut simulation = damped(elastic(), damping).prepare().unwrap();
         let step = simulation.stable_step().unwrap().step;
         let cost = simulation.remarks().iter().find_map(|remark| match remark {
-            Remark::FlatDamping { set, cost, .. } if set == "rock" => {
+            Remark::FlatDamping(remark::FlatDamping { set, cost, .. }) if set == "rock" => {
                 Some((*cost, remark.to_string()))
             }
             _ => None,
@@ -397,12 +397,10 @@ fn a_rim_is_elastic_and_undamped() {
     // Without a rim both have warnings.
     let bare = cube_with(cube(), vec![of("rock", weak()).with_damping(rayleigh)]);
     let simulation = bare.prepare().unwrap();
-    let warned = simulation.remarks().iter().filter(|remark| {
-        matches!(
-            remark,
-            Remark::DampedRim { .. } | Remark::NonlinearRim { .. }
-        )
-    });
+    let warned = simulation
+        .remarks()
+        .iter()
+        .filter(|remark| matches!(remark, Remark::DampedRim(_) | Remark::NonlinearRim(_)));
     assert_eq!(warned.count(), 2);
 }
 

@@ -439,7 +439,7 @@ fn the_section_of_a_whole_tube_is_no_frame() {
         let scene = scene_on(mesh, text).unwrap().into_scene();
         let simulation = scene.prepare().unwrap();
         let mut remarks = simulation.remarks().iter();
-        remarks.any(|remark| matches!(remark, powerhouse::Remark::HollowSection { .. }))
+        remarks.any(|remark| matches!(remark, powerhouse::Remark::HollowSection(_)))
     };
     let mesh = with_core(is_tube);
     assert!(!is_frame(&mesh, &text));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use powerhouse::boundary::Viscous;
 use powerhouse::model::AbsorbingBoundary;
-use powerhouse::{FileScene, Problem, Registry, Remark, RenderFault as _, Scene, SceneRemark};
+use powerhouse::{FileScene, Problem, Registry, Remark, RenderFault as _, Scene, remark};
 
 use super::nonsense::fault;
 use super::support::*;
@@ -13,7 +13,7 @@ use super::support::*;
 fn remarks(scene: &Scene) -> Vec<(&'static str, [&'static str; 2])> {
     let remarks = scene.remarks().iter();
     let found = remarks.filter_map(|remark| match remark {
-        Remark::Scene(SceneRemark::FormerKey {
+        Remark::FormerKey(remark::FormerKey {
             table,
             former,
             present,

@@ -9,8 +9,7 @@ use powerhouse::engine::{
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ContactLaw, ElasticMedium, Mesh, Vec3};
 use powerhouse::{
-    BoltLayout, Material, Part, Remark, RunHooks, Scene, SceneBolts, SceneJoint, SceneRemark,
-    SceneStage,
+    BoltLayout, Material, Part, Remark, RunHooks, Scene, SceneBolts, SceneJoint, SceneStage, remark,
 };
 
 const ROCK: ElasticMedium = ElasticMedium {
@@ -74,7 +73,7 @@ fn stretched(
     let scene = stages.into_iter().fold(scene, Scene::stage);
     let simulation = scene.prepare().unwrap();
     let warned = simulation.remarks().iter().find_map(|remark| match remark {
-        Remark::Scene(SceneRemark::CoarseBolts { error, .. }) => Some(*error),
+        Remark::CoarseBolts(remark::CoarseBolts { error, .. }) => Some(*error),
         _ => None,
     });
     let results = simulation.run(RunHooks::default()).unwrap();
@@ -177,7 +176,7 @@ fn bolts_that_a_joint_cuts_are_warned_of() {
             .stage(SceneStage::new("bolts").install("bolts"));
         let simulation = scene.prepare().unwrap();
         simulation.remarks().iter().find_map(|remark| match remark {
-            Remark::Scene(SceneRemark::CutBolts {
+            Remark::CutBolts(remark::CutBolts {
                 bolts,
                 joint,
                 crossing,

@@ -478,7 +478,7 @@ fn from_where_joints_count_is_said() {
         };
         let simulation = blocks.scene(plan, None).prepare().unwrap();
         let remarks = simulation.remarks().iter();
-        let anew = remarks.filter(|remark| matches!(remark, Remark::JointRenewed { .. }));
+        let anew = remarks.filter(|remark| matches!(remark, Remark::JointRenewed(_)));
         anew.map(Remark::to_string).collect::<Vec<_>>().join("\n")
     };
     assert_eq!(said(vec![stage("ground", GRADIENTS)]), "");

@@ -9,7 +9,7 @@ use powerhouse::model::{Mesh, Vec3};
 use powerhouse::wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind, first_hit_corner,
 };
-use powerhouse::{Boundary, Material, Part, Remark, Scene, SceneRemark};
+use powerhouse::{Boundary, Material, Part, Remark, Scene, remark};
 
 use super::support::*;
 
@@ -77,21 +77,15 @@ impl Ground {
         }
     }
 
-    fn warnings(&self, waves: &[(WaveKind, f64, f64)]) -> Vec<SceneRemark> {
+    fn warnings(&self, waves: &[(WaveKind, f64, f64)]) -> Vec<Remark> {
         self.warnings_of(self.scene(waves))
     }
 
-    fn warnings_of(&self, scene: Scene) -> Vec<SceneRemark> {
+    fn warnings_of(&self, scene: Scene) -> Vec<Remark> {
         let simulation = scene.prepare().unwrap();
-        let warnings = simulation
-            .remarks()
-            .iter()
-            .filter(|remark| remark.is_warning());
-        let of_scene = warnings.map(|remark| match remark {
-            Remark::Scene(remark) => remark.clone(),
-            other => panic!("{self:?}: {other}"),
-        });
-        of_scene.collect()
+        let remarks = simulation.remarks().iter();
+        let warnings = remarks.filter(|remark| remark.is_warning());
+        warnings.cloned().collect()
     }
 }
 
@@ -127,7 +121,7 @@ fn waves_across_the_axis_agree_with_the_ends() {
             match ends {
                 Ends::Periodic => assert_eq!(along, [], "{body:?}"),
                 Ends::Rollers => assert!(
-                    matches!(along[..], [SceneRemark::RestrainedField { share, .. }] if share > 0.9),
+                    matches!(along[..], [Remark::RestrainedField(remark::RestrainedField { share, .. })] if share > 0.9),
                     "{body:?} {along:?}"
                 ),
             }
@@ -142,7 +136,8 @@ fn shear_along_the_axis_is_missing_on_rollers() {
     for body in bodies(Ends::Rollers) {
         for (incidence, azimuth) in [(5.0, 90.0), (25.0, -90.0), (60.0, 90.0)] {
             let found = body.warnings(&[(WaveKind::SH, incidence, azimuth)]);
-            let [SceneRemark::AsymmetricField { share, speed, .. }] = found[..] else {
+            let [Remark::AsymmetricField(remark::AsymmetricField { share, speed, .. })] = found[..]
+            else {
                 panic!("{body:?} {incidence}: {found:?}")
             };
             let sine = f64::sin(incidence.to_radians());
@@ -159,7 +154,7 @@ fn shear_along_the_axis_is_missing_on_rollers() {
         // One wave among several is enough.
         let found = body.warnings(&[(WaveKind::SV, 10.0, 0.0), (WaveKind::SH, 20.0, 90.0)]);
         assert!(
-            matches!(found[..], [SceneRemark::AsymmetricField { .. }]),
+            matches!(found[..], [Remark::AsymmetricField(_)]),
             "{body:?} {found:?}"
         );
     }
@@ -174,13 +169,13 @@ fn waves_along_the_axis_part_periodic_pairs() {
             for azimuth in [90.0, -90.0, 60.0, 8.0] {
                 let found = body.warnings(&[(kind, 25.0, azimuth)]);
                 let [
-                    SceneRemark::PeriodicField {
+                    Remark::PeriodicField(remark::PeriodicField {
                         share,
                         strain,
                         distance,
                         speed,
                         ..
-                    },
+                    }),
                 ] = found[..]
                 else {
                     panic!("{body:?} {kind} {azimuth}: {found:?}")
@@ -233,8 +228,8 @@ fn ends_beyond_a_region_see_no_free_field() {
         assert_eq!(found(60.0, 300.0), [], "{ends:?}");
         let through = found(0.0, 360.0);
         let is_found = match ends {
-            Ends::Rollers => matches!(through[..], [SceneRemark::AsymmetricField { .. }]),
-            Ends::Periodic => matches!(through[..], [SceneRemark::PeriodicField { .. }]),
+            Ends::Rollers => matches!(through[..], [Remark::AsymmetricField(_)]),
+            Ends::Periodic => matches!(through[..], [Remark::PeriodicField(_)]),
         };
         assert!(is_found, "{ends:?} {through:?}");
     }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
-use powerhouse::{FileScene, HighDamping, Registry, Remark, Results, Scene, SceneRemark};
+use powerhouse::{FileScene, HighDamping, Registry, Remark, Results, Scene};
 
 use super::support::{Folder, run};
 
@@ -138,7 +138,7 @@ fn stated(scene: Scene) -> (HighDamping, f64) {
         .remarks()
         .iter()
         .filter_map(|remark| match remark {
-            Remark::Scene(SceneRemark::HighDamping(high)) => Some(high.clone()),
+            Remark::HighDamping(high) => Some(high.clone()),
             _ => None,
         });
     (found.next().unwrap(), step)

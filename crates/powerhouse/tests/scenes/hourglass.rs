@@ -3,7 +3,7 @@
 use powerhouse::engine::HourglassShare;
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{FieldMotion, Mesh, Vec3};
-use powerhouse::{FileScene, Registry, Remark, Results, Scene, Topic};
+use powerhouse::{FileScene, Registry, Remark, Results, Scene, Topic, remark};
 
 use super::support::{Folder, run};
 
@@ -20,7 +20,7 @@ fn scene(mesh: &Mesh, text: String) -> Scene {
 fn warned(results: &Results, mesh: &Mesh) -> Vec<(Option<String>, String, f64)> {
     let warnings = results.warnings(mesh).into_iter();
     let found = warnings.filter_map(|warning| match warning {
-        Remark::Hourglass { stage, set, share } => Some((stage, set, share)),
+        Remark::Hourglass(remark::Hourglass { stage, set, share }) => Some((stage, set, share)),
         _ => None,
     });
     found.collect()

@@ -2,9 +2,7 @@
 
 use std::fs;
 
-use powerhouse::{
-    Error, FileScene, FolderError, Registry, Remark, ResultFolder, Scene, SceneRemark,
-};
+use powerhouse::{Error, FileScene, FolderError, Registry, Remark, ResultFolder, Scene, remark};
 
 use super::support::*;
 
@@ -22,7 +20,7 @@ fn record_file(variants: &Variants, name: &str, scale: f64) {
 
 fn weak(scene: &Scene) -> Vec<(String, &'static str)> {
     let remarks = scene.remarks().iter().filter_map(|remark| match remark {
-        Remark::WeakRecord { name, key, .. } => {
+        Remark::WeakRecord(remark::WeakRecord { name, key, .. }) => {
             assert!(remark.is_warning());
             Some((name.clone(), *key))
         }
@@ -65,11 +63,11 @@ fn a_peak_that_may_be_in_g_is_warned_of() {
     assert_eq!(found(&[two, si].concat(), "component = \"x\"\n"), largest);
     let strong = "components = { x = \"strong.txt\", y = \"r.txt\" }\n";
     assert_eq!(found(&[strong, si].concat(), "component = \"y\"\n"), []);
-    let text = Remark::WeakRecord {
+    let text = Remark::from(remark::WeakRecord {
         name: "r".into(),
         peak: 0.3,
         key: "peak",
-    };
+    });
     assert!(text.to_string().contains("0.3 g would be 2.942"), "{text}");
 }
 
@@ -102,7 +100,7 @@ fn a_correction_that_is_too_large_is_warned_of() {
         );
         let scene = variants.read(pulse, &record).unwrap();
         let share = |remark: &Remark| match remark {
-            Remark::LargeCorrection { share, .. } => {
+            Remark::LargeCorrection(remark::LargeCorrection { share, .. }) => {
                 assert!(remark.is_warning() && remark.to_string().contains("velocity"));
                 Some(*share)
             }
@@ -149,9 +147,9 @@ fn waves_past_the_critical_angle_are_named() {
     let found = |incidence: &str| {
         let scene = variants.read("incidence = 20", incidence).unwrap();
         let mut remarks = scene.remarks().iter().filter_map(|remark| match remark {
-            Remark::PastCritical {
+            Remark::PastCritical(remark::PastCritical {
                 critical, removed, ..
-            } => Some((*critical, *removed, remark.to_string())),
+            }) => Some((*critical, *removed, remark.to_string())),
             _ => None,
         });
         remarks.next()
@@ -164,9 +162,9 @@ fn waves_past_the_critical_angle_are_named() {
     let path = variants.0.join("past.toml");
     let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
     let told = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::PastCritical {
+        Remark::PastCritical(remark::PastCritical {
             critical, removed, ..
-        } => Some((*critical, *removed, remark.to_string())),
+        }) => Some((*critical, *removed, remark.to_string())),
         _ => None,
     });
     let (critical, removed, text) = told.unwrap();
@@ -200,12 +198,12 @@ fn a_material_without_part_is_warned_of() {
     let variants = Variants::new("idle-material");
     let other = "[[material]]\nname = \"shotcrete\"\nlaw = \"elastic\"\nyoung = 2e10\npoisson = 0.2\ndensity = 2400\n[[part]]";
     let scene = variants.read("[[part]]", other).unwrap();
-    let idle = Remark::UnusedMaterial {
+    let idle = Remark::from(remark::UnusedMaterial {
         name: "shotcrete".into(),
-    };
+    });
     assert!(scene.remarks().contains(&idle) && idle.is_warning());
     let scene = variants.read("[[part]]", "[[part]]").unwrap();
-    let is_idle = |remark: &Remark| matches!(remark, Remark::UnusedMaterial { .. });
+    let is_idle = |remark: &Remark| matches!(remark, Remark::UnusedMaterial(_));
     assert!(!scene.remarks().iter().any(is_idle));
     // A case may take it for a part.
     let case =
@@ -227,7 +225,7 @@ fn a_scatterer_in_the_air_is_warned_of() {
         let simulation = scene.unwrap().prepare().unwrap();
         let remarks = simulation.remarks().iter();
         remarks
-            .filter(|remark| matches!(remark, Remark::Scene(SceneRemark::ScattererAbove { .. })))
+            .filter(|remark| matches!(remark, Remark::ScattererAbove(_)))
             .count()
     };
     assert_eq!([above("0"), above("-20"), above("12")], [0, 0, 1]);
@@ -256,7 +254,7 @@ fn spherical_springs_of_long_bodies_are_warned_of() {
         let path = variants.0.join("long.toml");
         let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
         let mut remarks = scene.remarks().iter().filter_map(|remark| match remark {
-            Remark::Scene(SceneRemark::SphericalSpreading { ends }) => Some(*ends),
+            Remark::SphericalSpreading(remark::SphericalSpreading { ends }) => Some(*ends),
             _ => None,
         });
         remarks.next()

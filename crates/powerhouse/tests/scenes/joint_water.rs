@@ -8,7 +8,7 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{ContactState, ElasticMedium, Mesh, Stress, Vec3};
 use powerhouse::{
     EquilibratedBody, Error, InSituStress, JointWater, Material, OutputPlan, Part, Preload, Remark,
-    Results, Scene, SceneJoint, SceneRemark, SceneStage, StageWater, TimeStep,
+    Results, Scene, SceneJoint, SceneStage, StageWater, TimeStep,
 };
 
 use super::joints::{JOINT, folder, halves, read, twin};
@@ -503,9 +503,10 @@ fn a_dry_joint_in_wet_ground_is_warned_of() {
             .stage(SceneStage::new("start").with_options(exact()))
             .with_duration(1e-3);
         let simulation = scene.prepare().unwrap();
-        let own = simulation.remarks().iter().filter(|remark| {
-            matches!(remark, Remark::Scene(SceneRemark::WetJoint(_))) && remark.is_warning()
-        });
+        let own = simulation
+            .remarks()
+            .iter()
+            .filter(|remark| matches!(remark, Remark::WetJoint(_)) && remark.is_warning());
         own.map(Remark::to_string).collect()
     };
     let found = warnings(None);

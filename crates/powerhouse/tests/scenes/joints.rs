@@ -4,7 +4,7 @@ use powerhouse::contact::{BondedCoulomb, BondedCoulombParameters, JointSurface, 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{JointRecord, Mesh};
 use powerhouse::{
-    Error, FileScene, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint, SceneRemark,
+    Error, FileScene, Registry, Remark, ResultFolder, RunNotes, Scene, SceneJoint, remark,
 };
 
 use super::support::*;
@@ -244,7 +244,7 @@ fn large_slip_is_warned_of() {
     assert_eq!(small.warnings(&mesh), []);
     let (large, mesh) = runs(20.0);
     let warnings = large.warnings(&mesh);
-    let [Remark::LargeSlip { joint, share }] = &warnings[..] else {
+    let [Remark::LargeSlip(remark::LargeSlip { joint, share })] = &warnings[..] else {
         panic!("{warnings:?}")
     };
     assert_eq!((joint.as_str(), *share), large.slip_shares(&mesh)[0]);
@@ -365,9 +365,9 @@ fn a_bond_with_fracture_energies_fails_gradually() {
     let reduced = |simulation: &powerhouse::Simulation| {
         let remarks = simulation.remarks().iter();
         let found = remarks.filter_map(|remark| match remark {
-            Remark::ReducedStrength {
+            Remark::ReducedStrength(remark::ReducedStrength {
                 factor, area, of, ..
-            } => Some((*factor, *area, *of)),
+            }) => Some((*factor, *area, *of)),
             _ => None,
         });
         found.collect::<Vec<_>>()
@@ -404,8 +404,7 @@ fn undamped_parts_beside_friction_are_warned_of() {
         });
         let simulation = read(&folder, &text).unwrap().prepare().unwrap();
         let remarks = simulation.remarks().iter();
-        let texts = remarks
-            .filter(|remark| matches!(remark, Remark::Scene(SceneRemark::UndampedFriction { .. })));
+        let texts = remarks.filter(|remark| matches!(remark, Remark::UndampedFriction(_)));
         texts.map(|remark| remark.to_string()).collect::<Vec<_>>()
     };
     let damped = "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 20] }\nelastic_rim = 10\n";

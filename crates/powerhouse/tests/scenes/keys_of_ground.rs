@@ -10,7 +10,7 @@ use powerhouse::wavefield::{
     PlaneWaveParameters, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse,
     Superposition, SurfaceComponent, TimeHistory, WaveKind, ZeroMeanPulse, first_hit_corner,
 };
-use powerhouse::{Error, Registry, Remark, RenderFault as _, Scene, keys};
+use powerhouse::{Error, Registry, Remark, RenderFault as _, Scene, keys, remark};
 
 use super::support::*;
 
@@ -357,12 +357,12 @@ fn conventions() {
         let keys = format!("{record}{wave}");
         let scene = variants.read(WAVE, &keys).unwrap();
         let told = scene.remarks().iter().any(|remark| {
-            matches!(remark, Remark::Conversion { conversion, .. } if *conversion == expected)
+            matches!(remark, Remark::Conversion(remark::Conversion { conversion, .. }) if *conversion == expected)
         });
         assert!(told, "{keys}");
         // The run is as long as it takes for the wave to come.
         let padding = scene.remarks().iter().find_map(|remark| match remark {
-            Remark::QuietStart { padding, .. } => Some(*padding),
+            Remark::QuietStart(remark::QuietStart { padding, .. }) => Some(*padding),
             _ => None,
         });
         let duration = 0.6 + padding.unwrap_or(0.0).ceil();
@@ -402,7 +402,7 @@ fn turned_axes_are_warned_of() {
             let warned = scene
                 .remarks()
                 .iter()
-                .any(|remark| matches!(remark, Remark::RotatedAxis { .. }) && remark.is_warning());
+                .any(|remark| matches!(remark, Remark::RotatedAxis(_)) && remark.is_warning());
             let expected = azimuth % 360.0 != 0.0 && ["x", "y"].contains(&name);
             assert_eq!(warned, expected, "{convention} {azimuth}");
         }

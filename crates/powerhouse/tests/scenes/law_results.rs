@@ -200,7 +200,7 @@ fn energy_of_closing_cracks_is_warned_of() {
         let warnings = results.warnings(&cube());
         let found = warnings
             .iter()
-            .find(|remark| matches!(remark, Remark::CrackEnergy { .. }));
+            .find(|remark| matches!(remark, Remark::CrackEnergy(_)));
         found.map(|remark| (remark.is_warning(), remark.to_string()))
     };
     let (is_warning, text) = warning([2.0, 3.0, -4.0, 0.0]).unwrap();

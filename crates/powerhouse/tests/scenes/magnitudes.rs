@@ -3,7 +3,7 @@
 use powerhouse::material::LinearElastic;
 use powerhouse::model::{ElasticMedium, Mesh, Vec3};
 use powerhouse::{
-    Error, FileScene, Material, Part, Problem, Registry, RenderFault as _, Scene, SceneRemark,
+    Error, FileScene, Material, Part, Problem, Registry, Remark, RenderFault as _, Scene,
 };
 
 use super::nonsense::{fault, warnings_of};
@@ -84,9 +84,9 @@ fn magnitudes_beyond_the_usual_are_refused() {
     assert!(
         found
             .iter()
-            .any(|warning| matches!(warning, SceneRemark::Magnitude(m) if m.name == "density"))
+            .any(|warning| matches!(warning, Remark::Magnitude(m) if m.name == "density"))
     );
-    assert!(found.iter().all(SceneRemark::is_warning));
+    assert!(found.iter().all(Remark::is_warning));
 }
 
 /// Scenes composed in Rust have the same usual ranges: media, size of the body, gravity, duration.
@@ -125,7 +125,7 @@ fn composed_scenes_have_usual_magnitudes() {
     }
     let found = warnings_of(scene(1e6, ROCK).allow_magnitudes());
     assert!(
-        matches!(&found[0], SceneRemark::Magnitude(m) if m.name.contains("diagonal")),
+        matches!(&found[0], Remark::Magnitude(m) if m.name.contains("diagonal")),
         "{found:?}"
     );
 }

@@ -2,7 +2,7 @@
 
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{ElementKind, Mesh, Vec3};
-use powerhouse::{FileScene, Registry, Remark, Scene, SceneRemark};
+use powerhouse::{FileScene, Registry, Remark, Scene, remark};
 use powerhouse_test_support::TestFolder;
 
 const REST: &str = r#"
@@ -46,12 +46,10 @@ impl Files {
 }
 
 /// What a scene says about the order of its elements.
-fn told(scene: &Scene) -> Vec<SceneRemark> {
-    let of_scene = scene.remarks().iter().filter_map(|remark| match remark {
-        Remark::Scene(found @ SceneRemark::MeshOrder { .. }) => Some(found.clone()),
-        _ => None,
-    });
-    of_scene.collect()
+fn told(scene: &Scene) -> Vec<Remark> {
+    let remarks = scene.remarks().iter();
+    let of_order = remarks.filter(|remark| matches!(remark, Remark::MeshOrder(_)));
+    of_order.cloned().collect()
 }
 
 /// Tetrahedra with midpoints are computed as they are, without them on request, which is said; those of four nodes get them on
@@ -74,11 +72,11 @@ fn the_order_of_tetrahedra_is_that_of_the_key() {
         let scene = files.scene(file, keys).unwrap();
         assert_eq!(scene.mesh().kind(0), kind, "{file} {keys}");
         let (curved, largest) = if file == "bent" { (1, 0.25) } else { (0, 0.0) };
-        let expected = SceneRemark::MeshOrder {
+        let expected = Remark::from(remark::MeshOrder {
             lowered,
             curved,
             largest,
-        };
+        });
         let any = lowered + curved > 0;
         assert_eq!(
             told(&scene),

@@ -3,7 +3,7 @@
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{FieldMotion, FieldSampler, IncidentField, Mesh, Vec3};
 use powerhouse::wavefield::WaveKind;
-use powerhouse::{Error, FileScene, Registry, Remark, RenderFault as _, RunHooks, Scene};
+use powerhouse::{Error, FileScene, Registry, Remark, RenderFault as _, RunHooks, Scene, remark};
 
 use super::support::{Folder, Variants, WAVE};
 
@@ -74,7 +74,9 @@ fn check_sum(fields: &[&dyn IncidentField], point: Vec3, arrival: f64, factor: f
 /// Arrival, place and quality of the split that a scene reports, with its text.
 fn split(scene: &Scene) -> (f64, Vec3, String) {
     let found = scene.remarks().iter().find_map(|remark| match remark {
-        Remark::Split { arrival, place, .. } => Some((*arrival, *place, remark.to_string())),
+        Remark::Split(remark::Split { arrival, place, .. }) => {
+            Some((*arrival, *place, remark.to_string()))
+        }
         _ => None,
     });
     found.unwrap()
@@ -121,7 +123,7 @@ fn the_waves_of_a_motion_are_its_record() {
     assert_eq!(kinds.collect::<Vec<_>>(), expected);
     let simulation = scene.into_scene().with_duration(1.6).prepare().unwrap();
     let mut remarks = simulation.remarks().iter();
-    assert!(remarks.any(|r| matches!(r, Remark::Split { .. }) && !r.is_warning()));
+    assert!(remarks.any(|r| matches!(r, Remark::Split(_)) && !r.is_warning()));
     let results = simulation.run(RunHooks::default()).unwrap();
     let peak = results
         .histories

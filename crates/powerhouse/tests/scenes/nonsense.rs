@@ -9,7 +9,7 @@ use powerhouse::material::LinearElastic;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{
     Boundary, Error, FileScene, Material, Part, Problem, Registry, Remark, RenderFault as _, Scene,
-    SceneFault, SceneRemark, SceneStage,
+    SceneFault, SceneStage, remark,
 };
 
 use super::support::*;
@@ -23,15 +23,12 @@ pub(crate) fn fault(variants: &Variants, old: &str, new: &str) -> Box<SceneFault
     }
 }
 
-fn warnings(remarks: &[Remark]) -> Vec<SceneRemark> {
-    let warnings = remarks.iter().filter_map(|remark| match remark {
-        Remark::Scene(warning) => Some(warning.clone()),
-        _ => None,
-    });
-    warnings.collect()
+fn warnings(remarks: &[Remark]) -> Vec<Remark> {
+    let warnings = remarks.iter().filter(|remark| remark.is_warning());
+    warnings.cloned().collect()
 }
 
-pub(crate) fn warnings_of(scene: impl Into<FileScene>) -> Vec<SceneRemark> {
+pub(crate) fn warnings_of(scene: impl Into<FileScene>) -> Vec<Remark> {
     warnings(scene.into().prepare().unwrap().remarks())
 }
 
@@ -224,11 +221,11 @@ fn what_falls_is_warned_of() {
     };
     let falls = |scene: Scene| {
         let found = warnings_of(scene);
-        found.contains(&SceneRemark::UnsupportedBody {
+        found.contains(&Remark::from(remark::UnsupportedBody {
             sets: vec!["rock".into()],
-        })
+        }))
     };
-    let swings = |scene: Scene| warnings_of(scene).contains(&SceneRemark::SuddenGravity);
+    let swings = |scene: Scene| warnings_of(scene).contains(&remark::SuddenGravity {}.into());
     assert!(falls(bare()));
     assert!(falls(
         bare().with_boundary(Boundary::new(Viscous::default(), SIDES))
@@ -259,9 +256,9 @@ fn what_falls_is_warned_of() {
     let scene = weight(scene).support(Support::roller(held, Vec3::z()));
     assert_eq!(
         warnings_of(scene),
-        [SceneRemark::UnsupportedBody {
+        [Remark::from(remark::UnsupportedBody {
             sets: vec!["upper".into()]
-        }]
+        })]
     );
 }
 
@@ -311,7 +308,7 @@ fn slices_have_free_sides() {
     let all = "\"left\", \"right\", \"bottom\"";
     let open = |remarks: &[Remark]| -> Vec<&'static str> {
         let sides = remarks.iter().filter_map(|remark| match remark {
-            Remark::OpenSide { side, .. } => Some(*side),
+            Remark::OpenSide(remark::OpenSide { side, .. }) => Some(*side),
             _ => None,
         });
         sides.collect()
@@ -330,7 +327,7 @@ fn slices_have_free_sides() {
     assert!(
         buried
             .iter()
-            .any(|remark| matches!(remark, Remark::LoadedSurface { .. })),
+            .any(|remark| matches!(remark, Remark::LoadedSurface(_))),
         "{buried:?}"
     );
 }
@@ -349,7 +346,7 @@ fn rollers_against_the_field_are_warned_of() {
         warnings(remarks)
             .into_iter()
             .find_map(|warning| match warning {
-                SceneRemark::RestrainedField { share, .. } => Some(share),
+                Remark::RestrainedField(remark::RestrainedField { share, .. }) => Some(share),
                 _ => None,
             })
     };
@@ -380,7 +377,9 @@ fn an_absorbing_surface_is_warned_of() {
     };
     assert_eq!(
         found("[boundary]"),
-        [SceneRemark::AbsorbingSurface { face: "top".into() }]
+        [Remark::from(remark::AbsorbingSurface {
+            face: "top".into()
+        })]
     );
     assert_eq!(found("[ground]\nsurface = 50\n[boundary]"), []);
     assert_eq!(found("[ground]\nspace = \"full-space\"\n[boundary]"), []);
@@ -399,11 +398,11 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
     assert_eq!(warnings(simulation.remarks()), []);
     let step = simulation.step().unwrap();
     simulation.step().unwrap();
-    let expected = SceneRemark::ShortInterval {
+    let expected = Remark::from(remark::ShortInterval {
         what: "histories",
         interval: 1e-5,
         step,
-    };
+    });
     assert_eq!(warnings(simulation.remarks()), [expected]);
     let mut simulation = variants
         .read("every = 0.01", "every = 0.1")
@@ -419,11 +418,11 @@ fn intervals_that_do_not_fit_the_run_are_warned_of() {
         .unwrap();
     simulation.step().unwrap();
     simulation.step().unwrap();
-    let expected = SceneRemark::LongInterval {
+    let expected = Remark::from(remark::LongInterval {
         what: "energies",
         interval: 0.7,
         duration: 0.6,
-    };
+    });
     assert_eq!(warnings(simulation.remarks()), [expected]);
 }
 
@@ -436,7 +435,7 @@ fn threads_are_those_of_the_machine() {
             .read("title", &format!("threads = {wanted}\ntitle"))
             .unwrap();
         let found = warnings_of(scene);
-        let [SceneRemark::Threads { available, .. }] = found[..] else {
+        let [Remark::Threads(remark::Threads { available, .. })] = found[..] else {
             panic!("{found:?}")
         };
         assert!(available >= 1 && found[0].is_warning());
@@ -454,7 +453,7 @@ fn a_rim_that_is_all_is_warned_of() {
     let found = |rim: &str| warnings_of(variants.read("kernel = \"hex8-full\"", rim).unwrap());
     assert_eq!(
         found("elastic_rim = 200"),
-        [SceneRemark::WholeRim { set: "rock".into() }]
+        [Remark::from(remark::WholeRim { set: "rock".into() })]
     );
     assert_eq!(found("elastic_rim = 0"), []);
 }
@@ -509,12 +508,14 @@ fn unused_nodes_of_a_mesh_are_reported() {
     let text = "title = \"loose\"\n[mesh]\nfile = \"loose.msh\"\n[[material]]\nname = \"m\"\nlaw = \"elastic\"\nyoung = 9e9\npoisson = 0.25\ndensity = 2700\n[[part]]\nset = \"rock\"\nmaterial = \"m\"\n[[part]]\nset = \"ungrouped\"\nmaterial = \"m\"\n[time]\nduration = 0.1\n";
     let scene =
         FileScene::from_toml(text, variants.0.join("s.toml"), &Registry::default()).unwrap();
-    let expected = SceneRemark::MeshFile {
+    let expected = Remark::from(remark::MeshFile {
         nodes: 1,
         dropped: 1,
         ungrouped: 1,
-    };
-    assert_eq!(warnings(scene.remarks()), [expected]);
+    });
+    let said = scene.remarks().iter();
+    let said = said.filter(|remark| matches!(remark, Remark::MeshFile(_)));
+    assert_eq!(Vec::from_iter(said), [&expected]);
 }
 
 /// A file that is not an accelerogram is an error that identifies it: an empty file, a mesh, a scene, text.

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use powerhouse::io::{MeshOptions, write_packed_mesh};
-use powerhouse::{Error, FileScene, Registry, Remark, RunHooks, Scene, SceneRemark, read_mesh};
+use powerhouse::{Error, FileScene, Registry, Remark, RunHooks, Scene, read_mesh, remark};
 use powerhouse_test_support::TestFolder;
 
 fn data() -> PathBuf {
@@ -106,7 +106,7 @@ fn a_packed_mesh_that_changes_is_reported() {
     let warned = |scene: Scene| {
         let simulation = scene.prepare().unwrap();
         let remarks = simulation.remarks().iter();
-        let old = |remark: &&Remark| matches!(remark, Remark::Scene(SceneRemark::OldPackedMesh { source, .. }) if source.ends_with(from));
+        let old = |remark: &&Remark| matches!(remark, Remark::OldPackedMesh(remark::OldPackedMesh { source, .. }) if source.ends_with(from));
         let found = remarks.filter(old).filter(|remark| remark.is_warning());
         (found.count(), simulation)
     };

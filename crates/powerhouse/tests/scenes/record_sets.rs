@@ -4,9 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use powerhouse::spec::At;
-use powerhouse::{
-    Error, FileScene, FirstOfSet, Registry, Remark, SceneFile, SceneRemark, SceneSpec,
-};
+use powerhouse::{Error, FileScene, FirstOfSet, Registry, Remark, SceneFile, SceneSpec};
 use powerhouse_test_support::TestFolder;
 
 use super::support::*;
@@ -249,7 +247,7 @@ fn a_scene_itself_has_the_first_record() {
     let pulse = "pulse = { kind = \"smooth\", displacement = 0.01, duration = 0.4 }";
     let set = "record = \"m\"\n[[record_set]]\nname = \"m\"\nfiles = [\"b.txt\", \"a.txt\"]\nunits = \"m/s2\"\npeak = 1.5\n\
                convention = \"incident\"\nscales = [4, 2]\n[[case]]\nname = \"own\"\n";
-    let expected = SceneRemark::FirstOfRecordSet(FirstOfSet {
+    let expected = Remark::FirstOfRecordSet(FirstOfSet {
         set: "m".into(),
         first: "b-x2".into(),
         cases: 4,
@@ -269,8 +267,7 @@ fn a_scene_itself_has_the_first_record() {
         // The third sample is the greatest.
         assert!((history.acceleration()[2] - peak).abs() < 1e-12, "{case:?}");
         let remarks = scene.remarks().iter();
-        let said =
-            remarks.filter(|remark| matches!(remark, Remark::Scene(own) if *own == expected));
+        let said = remarks.filter(|remark| **remark == expected);
         assert_eq!(said.count(), usize::from(is_said), "{case:?}");
         let processed = scene
             .spec()

@@ -3,7 +3,7 @@
 use powerhouse::boundary::{InputMode, Viscous, ViscousSpring};
 use powerhouse::engine::observe::Motion;
 use powerhouse::model::Vec3;
-use powerhouse::{Boundary, Error, FileScene, OutputPlan, Remark, RenderFault as _, Scene};
+use powerhouse::{Boundary, Error, FileScene, OutputPlan, Remark, RenderFault as _, Scene, remark};
 
 use super::support::*;
 
@@ -32,10 +32,10 @@ fn a_region_is_that_of_rust() {
     variants.equal((SCATTERER, &keys), entering_around(inside.clone()));
     let simulation = variants.read(SCATTERER, &keys).unwrap().prepare().unwrap();
     // 4 x 4 x 3 bricks, with their layer 6 x 6 x 4, open at the top.
-    let told = Remark::Region {
+    let told = Remark::from(remark::Region {
         inside: 48,
         layer: 96,
-    };
+    });
     assert!(simulation.remarks().contains(&told));
 }
 

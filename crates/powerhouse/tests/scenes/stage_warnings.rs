@@ -1,6 +1,6 @@
 //! Ineffective requests and inconsistent stages are errors or warnings.
 
-use powerhouse::{Error, Remark, Results, Scene, SceneRemark};
+use powerhouse::{Error, Remark, Results, Scene, remark};
 
 use super::stages::{MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
 use super::support::{Folder, run};
@@ -131,7 +131,7 @@ fn a_stress_that_contradicts_gravity_is_warned_of() {
     let share_of = |text: &str| {
         let (results, warnings) = found(text);
         let told = warnings.iter().find_map(|warning| match warning {
-            Remark::Unbalanced { share, stage, .. } => {
+            Remark::Unbalanced(remark::Unbalanced { share, stage, .. }) => {
                 assert_eq!(stage, "ground");
                 assert!(warning.is_warning());
                 Some(*share)
@@ -174,11 +174,11 @@ fn rare_samples_are_warned_of() {
         );
         let (_, warnings) = found(&text);
         let of_history = warnings.iter().any(
-            |warning| matches!(warning, Remark::Undersampled { name, .. } if name == "corner"),
+            |warning| matches!(warning, Remark::Undersampled(remark::Undersampled { name, .. }) if name == "corner"),
         );
         let of_envelope = warnings
             .iter()
-            .any(|warning| matches!(warning, Remark::SparseEnvelope { .. }));
+            .any(|warning| matches!(warning, Remark::SparseEnvelope(_)));
         assert_eq!(
             [of_history, of_envelope],
             [rare; 2],
@@ -201,20 +201,18 @@ fn ground_without_weight_or_stress_is_warned_of() {
     for (text, expected) in [
         (whole.clone(), None),
         (whole.replace(stress, ""), None),
-        (weightless.clone(), Some(SceneRemark::WeightlessGround)),
+        (weightless.clone(), Some(remark::WeightlessGround {}.into())),
         (
             weightless.replace(stress, ""),
-            Some(SceneRemark::IdleStages),
+            Some(remark::IdleStages {}.into()),
         ),
         (weightless.replace(stress, uniform), None),
     ] {
         let scene = read(&folder, &text).unwrap();
-        let found = scene.remarks().iter().find_map(|remark| match remark {
-            Remark::Scene(found @ (SceneRemark::IdleStages | SceneRemark::WeightlessGround)) => {
-                Some(found.clone())
-            }
-            _ => None,
-        });
+        let is_lack = |remark: &&Remark| {
+            matches!(remark, Remark::IdleStages(_) | Remark::WeightlessGround(_))
+        };
+        let found = scene.remarks().iter().find(is_lack).cloned();
         assert_eq!(found, expected, "{text}");
         let texts = found.map(|remark| (remark.is_warning(), remark.to_string()));
         assert!(texts.is_none_or(|(warning, text)| warning && text.contains("`gravity`")));

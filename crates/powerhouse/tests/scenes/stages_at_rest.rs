@@ -7,7 +7,7 @@ use powerhouse::engine::{StageReport, StaticProgress, StressField};
 use powerhouse::io::write_gmsh;
 use powerhouse::model::{Mesh, Vec3};
 use powerhouse::{
-    CompletedStage, Error, InSituStress, Remark, Results, RunHooks, Scene, StageSink,
+    CompletedStage, Error, InSituStress, Remark, Results, RunHooks, Scene, StageSink, remark,
 };
 
 use super::stages::{BOLTS, MATERIALS, ROLLERS, TRENCH, folder, mesh, read};
@@ -252,7 +252,7 @@ fn ground_has_no_stress_above_its_level() {
         }
         let simulation = read(&folder, &text).unwrap().prepare().unwrap();
         let warned = simulation.remarks().iter().any(|remark| {
-            matches!(remark, Remark::AboveGround { level: at, top }
+            matches!(remark, Remark::AboveGround(remark::AboveGround { level: at, top })
                 if *at == level && *top == height && remark.is_warning())
         });
         assert_eq!(warned, level < height);
@@ -325,7 +325,7 @@ fn layers_of_ground_rest_under_their_weights() {
         let simulation = read(&folder, &text).unwrap().prepare().unwrap();
         // The body does not reach above the level of its layers, which is that of the uppermost.
         let mut remarks = simulation.remarks().iter();
-        assert!(!remarks.any(|remark| matches!(remark, Remark::AboveGround { .. })));
+        assert!(!remarks.any(|remark| matches!(remark, Remark::AboveGround(_))));
         let stresses = Stresses::default();
         let body = simulation
             .equilibrate(None, Some(Box::new(stresses.clone())))

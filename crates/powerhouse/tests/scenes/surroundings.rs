@@ -13,7 +13,7 @@ use powerhouse::wavefield::{
 };
 use powerhouse::{
     Boundary, Error, FileScene, InitialMotion, Material, Part, Registry, Remark, RenderFault as _,
-    Scene, SceneJoint, Simulation,
+    Scene, SceneJoint, Simulation, remark,
 };
 
 use super::support::*;
@@ -33,7 +33,7 @@ fn read(name: &str, changes: &[(&str, &str)]) -> Result<Scene, Error> {
 
 fn padding(scene: &Scene) -> Option<f64> {
     scene.remarks().iter().find_map(|remark| match remark {
-        Remark::QuietStart { padding, .. } => Some(*padding),
+        Remark::QuietStart(remark::QuietStart { padding, .. }) => Some(*padding),
         _ => None,
     })
 }
@@ -218,11 +218,15 @@ fn composed_scenes_are_guarded_too() {
         .with_boundary(Boundary::new(ViscousSpring::default(), SIDES))
         .prepare()
         .unwrap();
-    let rim = Remark::DampedRim { set: "rock".into() };
+    let rim = Remark::from(remark::DampedRim { set: "rock".into() });
     assert_eq!(warnings(&damped), [&rim]);
     // No scatterer is given.
     let position = Vec3::new(150.0, 150.0, -150.0);
-    assert!(damped.remarks().contains(&Remark::Scatterer { position }));
+    assert!(
+        damped
+            .remarks()
+            .contains(&Remark::from(remark::Scatterer { position }))
+    );
 }
 
 /// A side that is neither absorbing nor supported has a warning with its area; a supported one has none.
@@ -234,7 +238,7 @@ fn a_forgotten_side_is_warned_of() {
     );
     let simulation = open.prepare().unwrap();
     let found = warnings(&simulation);
-    let [Remark::OpenSide { side: "back", area }] = found[..] else {
+    let [Remark::OpenSide(remark::OpenSide { side: "back", area })] = found[..] else {
         panic!("{found:?}")
     };
     assert!((area - 9e4).abs() < 1e-6, "{area}");
@@ -256,7 +260,7 @@ fn the_surface_of_the_field_is_that_of_the_mesh() {
         let simulation = scene.prepare().unwrap();
         match warnings(&simulation)[..] {
             [] => None,
-            [Remark::LoadedSurface { share, .. }] => Some(*share),
+            [Remark::LoadedSurface(remark::LoadedSurface { share, .. })] => Some(*share),
             ref others => panic!("{others:?}"),
         }
     };
@@ -327,7 +331,7 @@ fn sides_of_a_joint_are_no_free_surface() {
             .with_boundary(Boundary::new(Viscous::default(), SIDES))
             .with_duration(0.6);
         let simulation = scene.prepare().unwrap();
-        let loaded = |remark: &&Remark| matches!(remark, Remark::LoadedSurface { .. });
+        let loaded = |remark: &&Remark| matches!(remark, Remark::LoadedSurface(_));
         assert_eq!(simulation.remarks().iter().find(loaded), None);
     }
 }

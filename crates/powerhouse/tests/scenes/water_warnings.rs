@@ -232,7 +232,7 @@ fn fill_that_comes_later_has_no_in_situ_stress() {
         let scene = FileScene::from_toml(text, path, &Registry::default()).unwrap();
         let simulation = scene.into_scene().prepare().unwrap();
         let mut remarks = simulation.remarks().iter();
-        remarks.any(|remark| matches!(remark, Remark::AboveGround { .. }))
+        remarks.any(|remark| matches!(remark, Remark::AboveGround(_)))
     };
     let ground = "[[stage]]\nname = \"ground\"\n";
     assert!(with(ground));

@@ -109,12 +109,8 @@ fn what_is_taken_and_what_is_held_is_reported() {
     let remarks = |duration: f64| {
         let scene = site.read_for("file = \"wave.csv\"", duration).unwrap();
         let remarks = scene.prepare().unwrap().remarks().to_vec();
-        let of = |remark: &&Remark| {
-            matches!(
-                remark,
-                Remark::Stations { .. } | Remark::StationWindow { .. }
-            )
-        };
+        let of =
+            |remark: &&Remark| matches!(remark, Remark::Stations(_) | Remark::StationWindow(_));
         remarks
             .iter()
             .filter(of)

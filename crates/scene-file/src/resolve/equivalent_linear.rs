@@ -14,7 +14,7 @@ use super::{layers, named, ordered};
 use crate::spec::{self, At, EquivalentLinear, Layer, Positive, SceneSpec};
 use powerhouse_laws::{Damping, Material};
 use powerhouse_scene::internal::damping_of_layer;
-use powerhouse_scene::{EquivalentLayer, Fault, Problem, Remark};
+use powerhouse_scene::{EquivalentLayer, Fault, Problem, Remark, remark};
 
 /// Law of the materials of these layers.
 const LAW: &str = "elastic";
@@ -156,21 +156,23 @@ pub(super) fn apply(
             let large = soils.iter().filter(|soil| soil.strain > LARGE);
             let large: Vec<String> = large.map(|soil| soil.material.to_string()).collect();
             if !large.is_empty() {
-                scene.remarks.push(Remark::LargeStrains {
+                scene.remarks.push(Remark::from(remark::LargeStrains {
                     materials: large,
                     limit: LARGE,
-                });
+                }));
             }
             let beyond = soils.iter().filter_map(|soil| {
                 let greatest = soil.curves.greatest_strain();
-                (soil.strain > greatest).then(|| Remark::BeyondStrainCurves {
-                    material: soil.material.to_string(),
-                    strain: soil.strain,
-                    greatest,
+                (soil.strain > greatest).then(|| {
+                    Remark::from(remark::BeyondStrainCurves {
+                        material: soil.material.to_string(),
+                        strain: soil.strain,
+                        greatest,
+                    })
                 })
             });
             scene.remarks.extend(beyond);
-            scene.remarks.push(Remark::EquivalentLinear {
+            scene.remarks.push(Remark::from(remark::EquivalentLinear {
                 layers: soils
                     .iter()
                     .zip(in_run)
@@ -179,7 +181,7 @@ pub(super) fn apply(
                 strain_ratio,
                 iterations: iteration,
                 change,
-            });
+            }));
             return Ok(dampings);
         }
         soils.iter_mut().for_each(Soil::follow);

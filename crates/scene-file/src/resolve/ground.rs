@@ -20,7 +20,9 @@ use crate::spec::{
 };
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::box_corners;
-use powerhouse_scene::{Error, Fault, InitialMotion, Problem, Remark, SceneText, magnitude};
+use powerhouse_scene::{
+    Error, Fault, InitialMotion, Problem, Remark, SceneText, magnitude, remark,
+};
 
 /// Hint on several media along the absorbing faces.
 const ONE_MEDIUM: &str = "where a tunnel or lining runs through, its part in `through` of the boundary, rollers on the front and back faces in place of absorbing ones, or one `slice` of the mesh across its axis; else one medium at all absorbing faces, or the layers of the ground as `[[layer]]` tables, which all faces then cross";
@@ -90,11 +92,11 @@ pub(super) fn field(
         let wave = plane_wave(table, parameters, records, scene.magnitudes_allowed)?;
         let convention = wave.parameters().convention;
         if convention != InputConvention::Incident {
-            scene.remarks.push(Remark::Conversion {
+            scene.remarks.push(Remark::from(remark::Conversion {
                 wave: wave.name().into(),
                 convention: convention.name(),
                 conversion: *wave.conversion(),
-            });
+            }));
         }
         origins.push(Origin::of_wave(table, records)?);
         waves.push(wave);
@@ -182,11 +184,13 @@ pub(super) fn unclear_axis(table: &Wave, file: &SceneSpec) -> Option<Remark> {
         },
         _ => return None,
     };
-    (azimuth % 360.0 != 0.0).then(|| Remark::RotatedAxis {
-        record: name.to_string(),
-        convention,
-        clear,
-        azimuth,
+    (azimuth % 360.0 != 0.0).then(|| {
+        Remark::from(remark::RotatedAxis {
+            record: name.to_string(),
+            convention,
+            clear,
+            azimuth,
+        })
     })
 }
 
@@ -379,14 +383,16 @@ fn quiet(
     for wave in delayed.iter().filter(|wave: &&PlaneWave| !wave.is_causal()) {
         let start = waves.iter().find(|(name, _)| name == wave.name());
         let tapered = start.filter(|(_, start)| start.taper > 0.0);
-        scene.remarks.push(Remark::PastCritical {
+        scene.remarks.push(Remark::from(remark::PastCritical {
             wave: wave.name().into(),
             critical: critical_angle(&wave.parameters().medium).degrees(),
             removed: tapered.map(|(_, start)| start.removed),
-        });
+        }));
     }
     if !waves.is_empty() {
-        scene.remarks.push(Remark::QuietStart { padding, waves });
+        scene
+            .remarks
+            .push(remark::QuietStart { padding, waves }.into());
     }
     Ok(delayed)
 }

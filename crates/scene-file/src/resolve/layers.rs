@@ -18,7 +18,7 @@ use super::{named, vector};
 use crate::spec::{Azimuth, Layer, SceneSpec, Space};
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::{box_corners, damping_of_layer};
-use powerhouse_scene::{Fault, InitialMotion, LayerError, Problem, Remark};
+use powerhouse_scene::{Fault, InitialMotion, LayerError, Problem, Remark, remark};
 
 /// Time after the run (s), and over its duration, up to which the field is known as well: spectra of the input fade out there.
 const AFTER: f64 = 1.0;
@@ -48,11 +48,11 @@ pub(super) fn field(
     for wave in &waves[..file.waves.len()] {
         let convention = wave.parameters().convention;
         if convention != InputConvention::Incident {
-            scene.remarks.push(Remark::Conversion {
+            scene.remarks.push(Remark::from(remark::Conversion {
                 wave: wave.name().into(),
                 convention: convention.name(),
                 conversion: *wave.conversion(),
-            });
+            }));
         }
     }
     let nodes = nodes_of_faces(&scene)?;
@@ -60,11 +60,11 @@ pub(super) fn field(
         let bytes = wave.bytes_for(&nodes);
         let place = scene.places.field.clone();
         let bytes = bytes.map_err(|error| Fault::refused(place, error))?;
-        scene.remarks.push(Remark::Layered {
+        scene.remarks.push(Remark::from(remark::Layered {
             wave: wave.name().into(),
             report: wave.report(),
             bytes,
-        });
+        }));
     }
     let waves = quiet(waves, &origins, &points, &mut scene)?;
     let arrivals: Vec<f64> = waves.iter().map(|wave| wave.parameters().arrival).collect();
@@ -380,7 +380,9 @@ fn quiet(
     let needed = needed.filter_map(|(wave, start)| Some((wave.name().to_owned(), start?)));
     let waves: Vec<(String, QuietStart)> = needed.collect();
     if !waves.is_empty() {
-        scene.remarks.push(Remark::QuietStart { padding, waves });
+        scene
+            .remarks
+            .push(remark::QuietStart { padding, waves }.into());
     }
     Ok(delayed)
 }

@@ -15,7 +15,9 @@ use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
 use crate::spec::{self, At, Finite, Function, Load, Positive, water_weight};
 use powerhouse_scene::internal::{GRAVITY, StagedLoad};
-use powerhouse_scene::{DelayedError, Fault, InitialMotion, Mirror, Parity, Problem, Remark};
+use powerhouse_scene::{
+    DelayedError, Fault, InitialMotion, Mirror, Parity, Problem, Remark, remark,
+};
 
 /// Matching tolerance of the nodes of periodic faces, over the diagonal of the mesh.
 const PERIODIC_TOLERANCE: f64 = 1e-6;
@@ -248,15 +250,15 @@ fn arrivals(
     }
     if padding > 0.0 {
         let waves = scene.remarks.iter().find_map(|remark| match remark {
-            Remark::QuietStart { padding, .. } => Some(*padding),
+            Remark::QuietStart(remark::QuietStart { padding, .. }) => Some(*padding),
             _ => None,
         });
         let has_waves = scene.field.is_some();
-        scene.remarks.push(Remark::DelayedMotion {
+        scene.remarks.push(Remark::from(remark::DelayedMotion {
             padding,
             records: levels.into_iter().collect(),
             waves: has_waves.then(|| waves.unwrap_or(0.0)),
-        });
+        }));
     }
     let start = scene.start;
     Ok(Arrivals { start, padding })

@@ -12,7 +12,7 @@ use super::ordered;
 use crate::Registry;
 use crate::spec::{self, At, Finite};
 use powerhouse_scene::internal::InUse;
-use powerhouse_scene::{Error, Fault, Remark, SceneRemark, SceneText};
+use powerhouse_scene::{Error, Fault, Remark, SceneText, remark};
 
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
@@ -43,7 +43,7 @@ pub(super) fn mesh(
         Some(generator) => registry.mesh_generator(generator)?(&path).map_err(refused)?,
         None => {
             let found = read(&path, options).map_err(refused)?;
-            remarks.extend(found.remarks.into_iter().map(Remark::Scene));
+            remarks.extend(found.remarks);
             in_use = found.packed.map(|packed| -> InUse {
                 Arc::new(move || {
                     packed
@@ -99,7 +99,7 @@ pub(super) fn mesh(
 /// A mesh file as it is read.
 struct FoundMesh {
     mesh: Mesh,
-    remarks: Vec<SceneRemark>,
+    remarks: Vec<Remark>,
     /// The file that the mesh shares its numbers with.
     packed: Option<PackedMesh>,
 }
@@ -110,10 +110,7 @@ struct FoundMesh {
 /// # Errors
 /// Those of [`read_gmsh`](powerhouse_io::read_gmsh), [`read_inp`](powerhouse_io::read_inp) and
 /// [`read_packed_mesh`](powerhouse_io::read_packed_mesh); `first_order` for a packed mesh.
-pub fn read_mesh(
-    path: &Path,
-    options: MeshOptions<'_>,
-) -> Result<(Mesh, Vec<SceneRemark>), AnyError> {
+pub fn read_mesh(path: &Path, options: MeshOptions<'_>) -> Result<(Mesh, Vec<Remark>), AnyError> {
     let found = read(path, options)?;
     Ok((found.mesh, found.remarks))
 }
@@ -124,12 +121,12 @@ fn read(path: &Path, options: MeshOptions<'_>) -> Result<FoundMesh, AnyError> {
             return Err(PACKED.into());
         }
         let (mesh, packed) = powerhouse_io::read_packed_mesh(path)?;
-        let changed = packed
-            .changed_source()
-            .map(|source| SceneRemark::OldPackedMesh {
+        let changed = packed.changed_source().map(|source| {
+            Remark::from(remark::OldPackedMesh {
                 packed: path.into(),
                 source,
-            });
+            })
+        });
         Ok(FoundMesh {
             mesh: match options.straighten {
                 true => mesh.with_straight_edges(),
@@ -183,27 +180,27 @@ fn order_options<'n>(table: &spec::MeshFile) -> Result<MeshOptions<'n>, Fault> {
 }
 
 /// Remark about elements of second order that are computed otherwise than the file has them.
-fn changed(lowered: usize, curved: usize, largest: f64) -> Option<SceneRemark> {
-    let found = SceneRemark::MeshOrder {
+fn changed(lowered: usize, curved: usize, largest: f64) -> Option<Remark> {
+    let found = Remark::from(remark::MeshOrder {
         lowered,
         curved,
         largest,
-    };
+    });
     (lowered + curved > 0).then_some(found)
 }
 
 /// Remark about nodes and elements of the mesh file that are left out or belong to no set.
-fn unused(nodes: usize, dropped: usize, ungrouped: usize) -> Option<SceneRemark> {
-    let found = SceneRemark::MeshFile {
+fn unused(nodes: usize, dropped: usize, ungrouped: usize) -> Option<Remark> {
+    let found = Remark::from(remark::MeshFile {
         nodes,
         dropped,
         ungrouped,
-    };
+    });
     (nodes + dropped + ungrouped > 0).then_some(found)
 }
 
 /// Remarks about a Gmsh file.
-fn of_gmsh(report: &GmshReport) -> impl Iterator<Item = SceneRemark> {
+fn of_gmsh(report: &GmshReport) -> impl Iterator<Item = Remark> {
     let grouped = |group: &GmshGroup| group.dimension == 3 || group.dimension == 1;
     // A mesh without groups is one set.
     let ungrouped = match report.groups.iter().any(grouped) {
@@ -219,17 +216,17 @@ fn of_gmsh(report: &GmshReport) -> impl Iterator<Item = SceneRemark> {
 }
 
 /// Remark about what a mesh file has otherwise than the mesh.
-fn content(curves: usize, collapsed: usize, instances: Vec<(String, u64)>) -> Option<SceneRemark> {
+fn content(curves: usize, collapsed: usize, instances: Vec<(String, u64)>) -> Option<Remark> {
     let is_any = curves + collapsed + instances.len() > 0;
-    is_any.then_some(SceneRemark::MeshContent {
+    is_any.then_some(Remark::from(remark::MeshContent {
         curves,
         collapsed,
         instances,
-    })
+    }))
 }
 
 /// Remarks about an Abaqus input file.
-fn of_inp(report: InpReport) -> Vec<SceneRemark> {
+fn of_inp(report: InpReport) -> Vec<Remark> {
     // A mesh without sets is one set.
     let ungrouped = match report.has_element_sets {
         true => report.ungrouped_elements,
@@ -239,16 +236,16 @@ fn of_inp(report: InpReport) -> Vec<SceneRemark> {
     let (lowered, curved) = (report.lowered_elements, report.curved_nodes);
     let changed = changed(lowered, curved, report.largest_curve);
     let skipped = report.skipped_keywords;
-    let keywords = (!skipped.is_empty()).then_some(SceneRemark::MeshKeywords { skipped });
+    let keywords = (!skipped.is_empty()).then_some(Remark::from(remark::MeshKeywords { skipped }));
     let content = content(0, report.collapsed_elements, report.instances);
     let (coupled, omitted) = (report.coupled_elements, report.omitted_coordinates);
     let left_out = report.left_out;
     let is_less = coupled + omitted + left_out.len() > 0;
-    let less = is_less.then_some(SceneRemark::MeshLeftOut {
+    let less = is_less.then_some(Remark::from(remark::MeshLeftOut {
         left_out,
         coupled,
         omitted,
-    });
+    }));
     Vec::from_iter(
         unused
             .into_iter()

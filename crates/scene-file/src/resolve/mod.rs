@@ -31,7 +31,7 @@ use powerhouse_laws::Material;
 use powerhouse_scene::internal::{Leapfrog, NamedThing, OneSided, sets_with};
 use powerhouse_scene::{
     Boundary, Error, Fault, InitialMotion, Magnitude, MagnitudeOf, Part, Problem, Remark,
-    SampledRequest, Scene, SceneRemark, SceneText, TimeStep,
+    SampledRequest, Scene, SceneText, TimeStep, remark,
 };
 
 pub(crate) use draft::Draft;
@@ -139,35 +139,35 @@ pub(crate) fn compose(
             .records
             .insert(name.clone(), record.name.clone());
         scene.records.insert(name.clone(), record.history.clone());
-        scene.remarks.push(Remark::Record {
+        scene.remarks.push(Remark::from(remark::Record {
             name: name.clone(),
             report: record.report,
             baseline: record.baseline,
-        });
+        }));
         if let Some(key) = record.weak {
-            scene.remarks.push(Remark::WeakRecord {
+            scene.remarks.push(Remark::from(remark::WeakRecord {
                 name: name.clone(),
                 peak: record.report.peak_acceleration,
                 key,
-            });
+            }));
         }
         scene.remarks.extend(record.source.clone().map(|source| {
             let name = name.clone();
-            Remark::RecordSource { name, source }
+            Remark::from(remark::RecordSource { name, source })
         }));
         scene.remarks.extend(record.spectrum.clone().map(|report| {
             let name = name.clone();
-            Remark::RecordSpectrum {
+            Remark::from(remark::RecordSpectrum {
                 name,
                 report: Box::new(report),
-            }
+            })
         }));
         scene.remarks.extend(record::large_correction(name, record));
         for warning in &record.warnings {
-            scene.remarks.push(Remark::RecordFile {
+            scene.remarks.push(Remark::from(remark::RecordFile {
                 name: name.clone(),
                 warning: warning.clone(),
-            });
+            }));
         }
     }
     scene.remarks.extend(unused::records(file));
@@ -195,7 +195,7 @@ pub(crate) fn compose(
     added_mass::added_masses(&names, &file.added_masses, &mut scene)?;
     stages::stages(text, &names, file, &materials, &mut scene)?;
     let lacking = scene.lacking_ground();
-    scene.remarks.extend(lacking.map(Remark::Scene));
+    scene.remarks.extend(lacking);
     scene.output = output::plan(
         &names,
         &file.output,
@@ -284,7 +284,9 @@ fn empty_sets(names: &Names, file: &SceneSpec) -> Vec<Remark> {
         .chain(of_masses)
         .map(|set| set.to_string())
         .collect();
-    let remarks = empty.into_iter().map(|set| Remark::EmptySet { set });
+    let remarks = empty
+        .into_iter()
+        .map(|set| Remark::from(remark::EmptySet { set }));
     remarks.collect()
 }
 
@@ -308,7 +310,7 @@ fn long_body(
         Some(_) => Some("a slice"),
         None => scene.repeated_by(),
     };
-    let remark = |ends| Remark::Scene(SceneRemark::SphericalSpreading { ends });
+    let remark = |ends| Remark::from(remark::SphericalSpreading { ends });
     Ok(ends.filter(|_| !is_cylindrical).map(remark))
 }
 

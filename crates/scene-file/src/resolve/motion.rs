@@ -15,7 +15,7 @@ use super::ordered;
 use super::origin::Origin;
 use super::record::{PreparedRecord, of_components};
 use crate::spec::{At, Azimuth, Component, Finite, Incidence, Motion, Positive};
-use powerhouse_scene::{Fault, Problem, Remark, magnitude};
+use powerhouse_scene::{Fault, Problem, Remark, magnitude, remark};
 
 /// Band (Hz) in which the split of a motion is checked by default.
 const BAND: [f64; 2] = [0.1, 15.0];
@@ -57,7 +57,7 @@ impl Split<'_> {
         let (name, _) = self.origin.record.clone().unzip();
         let waves = self.waves.iter();
         let waves = waves.map(|wave| (wave.kind, wave.incidence.degrees()));
-        Remark::Split {
+        Remark::from(remark::Split {
             record: name.unwrap_or_default(),
             waves: waves.collect(),
             azimuth: self.azimuth.degrees(),
@@ -65,7 +65,7 @@ impl Split<'_> {
             place: self.place,
             arrival: arrival + self.origin.lead,
             still: self.still.clone(),
-        }
+        })
     }
 }
 

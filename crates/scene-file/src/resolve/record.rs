@@ -19,7 +19,7 @@ use crate::spec::{
     At, Baseline, Component, Convention, Count, Finite, Length, NonNegative, Positive, Record,
     SceneSpec, Share, Units, WaveAxis,
 };
-use powerhouse_scene::{Fault, Problem, RecordSpectrumReport, Remark, SceneText};
+use powerhouse_scene::{Fault, Problem, RecordSpectrumReport, Remark, SceneText, remark};
 
 use super::target::SpectrumOfRecord;
 
@@ -451,10 +451,12 @@ pub(super) fn large_correction(name: &str, record: &PreparedRecord) -> Option<Re
     let report = record.baseline?;
     let share = report.largest_change / report.before.peak_acceleration;
     let is_filter = matches!(report.correction, BaselineCorrection::HighPass { .. });
-    (!is_filter && share > LARGE_CORRECTION).then(|| Remark::LargeCorrection {
-        name: name.into(),
-        share,
-        drift: report.before.end_displacement,
+    (!is_filter && share > LARGE_CORRECTION).then(|| {
+        Remark::from(remark::LargeCorrection {
+            name: name.into(),
+            share,
+            drift: report.before.end_displacement,
+        })
     })
 }
 
@@ -472,11 +474,13 @@ pub(super) fn cut_short(
     let end = scene.start + scene.duration;
     let history = &record.history;
     let share = history.arias_share_before(end - arrival);
-    (share < LEAST_SHARE).then(|| Remark::TruncatedRecord {
-        name: name.into(),
-        share,
-        run: end,
-        record: arrival + history.duration() - record.lead,
+    (share < LEAST_SHARE).then(|| {
+        Remark::from(remark::TruncatedRecord {
+            name: name.into(),
+            share,
+            run: end,
+            record: arrival + history.duration() - record.lead,
+        })
     })
 }
 

@@ -8,7 +8,7 @@ use powerhouse_wavefield::{StationField, StationParameters};
 
 use super::vector;
 use crate::spec::{At, Finite, Interpolation, SceneSpec, StationAxis, Stations};
-use powerhouse_scene::{Error, Fault, Problem, Remark, SceneText, magnitude};
+use powerhouse_scene::{Error, Fault, Problem, Remark, SceneText, magnitude, remark};
 
 /// Share of the available memory that motions may take.
 const SHARE_OF_MEMORY: u64 = 2;
@@ -145,25 +145,27 @@ pub(super) fn field(
         let checked = sampled.and(strong);
         checked.map_err(|magnitude| Fault::of_magnitude(stations.span(), magnitude))?;
     }
-    scene.remarks.push(Remark::Stations {
+    scene.remarks.push(Remark::from(remark::Stations {
         file: name.clone(),
         scale,
         axes: axes.map(StationAxis::name),
         rows: rows.map(StationAxis::name),
         report,
-    });
+    }));
     for warning in motions.warnings {
         let name = name.clone();
-        scene.remarks.push(Remark::RecordFile { name, warning });
+        scene
+            .remarks
+            .push(remark::RecordFile { name, warning }.into());
     }
     let end = scene.start + scene.duration;
     let start = scene.start;
     if end > report.end + 0.5 * report.step || scene.start < report.start {
-        scene.remarks.push(Remark::StationWindow {
+        scene.remarks.push(Remark::from(remark::StationWindow {
             file: name,
             run: [start, end],
             report,
-        });
+        }));
     }
     scene.change(|scene| Ok(scene.with_field(field)))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::spec::{At, Motion, SceneSpec, Support, Wave};
-use powerhouse_scene::Remark;
+use powerhouse_scene::{Remark, remark};
 
 /// Warnings about records that neither a wave nor a prescribed motion uses, in any component, nor one of a case.
 pub(super) fn records(file: &SceneSpec) -> Vec<Remark> {
@@ -21,7 +21,7 @@ pub(super) fn records(file: &SceneSpec) -> Vec<Remark> {
     let records = file.records.iter().map(|record| record.name.to_string());
     records
         .filter(|name| is_unused(name))
-        .map(|name| Remark::UnusedRecord { name })
+        .map(|name| Remark::from(remark::UnusedRecord { name }))
         .collect()
 }
 
@@ -58,8 +58,10 @@ pub(super) fn materials(file: &SceneSpec) -> Vec<Remark> {
     let materials = file.materials.iter().map(|material| &material.name);
     let unused = materials.filter(|name| !used.contains(name.as_str()));
     unused
-        .map(|name| Remark::UnusedMaterial {
-            name: name.to_string(),
+        .map(|name| {
+            Remark::from(remark::UnusedMaterial {
+                name: name.to_string(),
+            })
         })
         .collect()
 }

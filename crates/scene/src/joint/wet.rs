@@ -5,8 +5,9 @@ use std::collections::HashSet;
 
 use super::{SceneJoint, WaterInJoints};
 use crate::joints::sliding_friction;
+use crate::remark::{Kind, described};
 use crate::stage::WaterAtRest;
-use crate::{Error, Scene};
+use crate::{Error, Scene, Topic};
 
 /// Pressure of the water in a joint at the start of the run, or, a warning, in the pores of the ground beside a joint without water.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,11 +31,10 @@ pub enum WetJoint {
     },
 }
 
-impl WetJoint {
-    pub(crate) fn is_warning(&self) -> bool {
-        matches!(self, Self::Beside { .. })
-    }
-}
+described!(WetJoint, |joint| {
+    let beside = matches!(joint, WetJoint::Beside { .. });
+    Kind::warning_if(beside, Topic::Joints)
+});
 
 impl fmt::Display for WetJoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -8,7 +8,8 @@ use powerhouse_model::{
 use powerhouse_observe::SectionGeometry;
 
 use super::SectionRequest;
-use crate::{Kernel, Part, Remark};
+use crate::remark::{Kind, described};
+use crate::{Kernel, Part, Remark, Topic, remark};
 
 /// Error of the bending stiffness of a section through bricks, from their size and kernel.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,8 @@ impl BendingError {
     /// Largest error of the bending stiffness without a warning.
     pub const LIMIT: f64 = 0.1;
 }
+
+described!(BendingError, |_| Kind::Warning(Topic::Sections));
 
 impl fmt::Display for BendingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -94,11 +97,13 @@ pub(crate) fn coarse_in_bending(
     let layers = (piece.depth / extent(&geometry.across)?).round().max(1.0) as usize;
     if kernel.bends_as_its_material() {
         let is_elastic = part.material.is_linear() || kernel.points() > 1;
-        return (!is_elastic && layers < LAYERS_OF_A_HINGE).then(|| Remark::Hinge {
-            section: request.cut.name.clone(),
-            set: request.set.clone(),
-            kernel: kernel.name().into(),
-            layers,
+        return (!is_elastic && layers < LAYERS_OF_A_HINGE).then(|| {
+            Remark::from(remark::Hinge {
+                section: request.cut.name.clone(),
+                set: request.set.clone(),
+                kernel: kernel.name().into(),
+                layers,
+            })
         });
     }
     let width = extent(&geometry.along)?;

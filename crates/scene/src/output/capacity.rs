@@ -3,7 +3,7 @@
 use powerhouse_observe::{HistoryTable, ObserveError, SectionCapacity, SectionGeometry};
 
 use super::SectionRequest;
-use crate::Remark;
+use crate::{Remark, remark};
 
 /// Greatest utilisation of a reinforced section over a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +105,7 @@ pub(super) fn uses(
 /// Warning about a section whose forces are beyond what it bears.
 pub(super) fn beyond(of: &SectionUse) -> Option<Remark> {
     let from = of.beyond_from?;
-    Some(Remark::BeyondCapacity {
+    Some(Remark::from(remark::BeyondCapacity {
         section: of.section.clone(),
         utilisation: of.utilisation,
         from,
@@ -113,5 +113,5 @@ pub(super) fn beyond(of: &SectionUse) -> Option<Remark> {
         axial: of.axial,
         moment: of.moment,
         borne: of.capacity.moments(of.axial),
-    })
+    }))
 }

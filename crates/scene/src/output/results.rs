@@ -21,7 +21,7 @@ use super::{
 };
 use super::{RunTable, capacity, sections};
 use crate::joint::NamedSurface;
-use crate::{Error, FibreChoice, Remark, Resolution};
+use crate::{Error, FibreChoice, Remark, Resolution, remark};
 
 /// Column of the residual in the energy balance.
 const RESIDUAL: &str = "residual";
@@ -546,9 +546,11 @@ fn histories(
     let places = plan.state.places.iter().zip(asked.into_inner());
     let without_state =
         places.filter(|(_, element)| state_variables.of_element(*element).is_empty());
-    let remarks = without_state.map(|(request, element)| Remark::NoState {
-        name: request.name.clone(),
-        element: mesh.element_tags()[element as usize],
+    let remarks = without_state.map(|(request, element)| {
+        Remark::from(remark::NoState {
+            name: request.name.clone(),
+            element: mesh.element_tags()[element as usize],
+        })
     });
     Ok((history, remarks.collect()))
 }

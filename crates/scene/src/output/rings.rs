@@ -4,7 +4,7 @@ use powerhouse_model::{Mesh, ModelError};
 use powerhouse_observe::{SectionReinforcement, SectionRing};
 
 use super::{OutputPlan, SectionRequest};
-use crate::Remark;
+use crate::{Remark, remark};
 
 /// Request for the sections around a lining, whose forces are written and drawn against their angles as well.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,11 +29,11 @@ impl RingRequest {
         let mut none = (0..self.rays).filter(|ray| !met.contains(&(*ray as isize)));
         let first = none.next()?;
         let last = none.next_back().unwrap_or(first);
-        Some(Remark::PartialRing {
+        Some(Remark::from(remark::PartialRing {
             ring: self.name.clone(),
             missed: [missed, self.rays],
             angles: [first, last].map(|ray| step * ray as f64),
-        })
+        }))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use powerhouse_observe::{Column, EnvelopeTable, HistoryTable};
 
-use crate::Remark;
 use crate::magnitude::rounded;
+use crate::{Remark, remark};
 
 /// Threshold of [`Column::roughness`]: that of a sinusoid with six samples per period.
 const ROUGH: f64 = 1.0;
@@ -45,15 +45,17 @@ pub(super) fn warnings(
         let motions = histories
             .columns
             .chunk_by(|a, b| motion_of(a) == motion_of(b));
-        warnings.extend(motions.filter(rough).map(|motion| Remark::Undersampled {
-            name: motion_of(&motion[0]).0.into(),
-            interval: rounded(interval_of_rows),
-            band: band.filter(|_| of_band.column(&motion[0].name).is_some()),
+        warnings.extend(motions.filter(rough).map(|motion| {
+            Remark::from(remark::Undersampled {
+                name: motion_of(&motion[0]).0.into(),
+                interval: rounded(interval_of_rows),
+                band: band.filter(|_| of_band.column(&motion[0].name).is_some()),
+            })
         }));
     }
     let share = envelope.and_then(EnvelopeTable::share_of_alternate_samples);
     let sparse = share.filter(|share| *share < OF_ALTERNATE_LOOKS);
-    warnings.extend(sparse.map(|share| Remark::SparseEnvelope { share }));
+    warnings.extend(sparse.map(|share| Remark::from(remark::SparseEnvelope { share })));
     warnings
 }
 

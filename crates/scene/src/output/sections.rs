@@ -4,8 +4,8 @@ use powerhouse_model::{ElementKind, Mesh, Vec3};
 use powerhouse_observe::{CrossSection, SectionGeometry};
 
 use super::SectionRequest;
-use crate::Remark;
 use crate::surroundings::fill_body;
+use crate::{Remark, remark};
 
 /// Warning about a section through pieces that do not touch, such as crown and invert of a lining.
 pub(super) fn in_pieces(
@@ -13,11 +13,13 @@ pub(super) fn in_pieces(
     request: &SectionRequest,
     geometry: &SectionGeometry,
 ) -> Option<Remark> {
-    (geometry.pieces.len() > 1).then(|| Remark::DividedSection {
-        section: request.cut.name.clone(),
-        set: request.set.clone(),
-        pieces: geometry.pieces.clone(),
-        half_extent: half_extent_of_nearest(mesh, &request.cut.point, geometry),
+    (geometry.pieces.len() > 1).then(|| {
+        Remark::from(remark::DividedSection {
+            section: request.cut.name.clone(),
+            set: request.set.clone(),
+            pieces: geometry.pieces.clone(),
+            half_extent: half_extent_of_nearest(mesh, &request.cut.point, geometry),
+        })
     })
 }
 
@@ -37,20 +39,24 @@ pub(super) fn hollow(request: &SectionRequest, geometry: &SectionGeometry) -> Op
         return None;
     };
     let filled = piece.area / (piece.width * piece.depth);
-    (filled < FILLED).then(|| Remark::HollowSection {
-        section: request.cut.name.clone(),
-        set: request.set.clone(),
-        filled,
-        width: piece.width,
-        depth: piece.depth,
+    (filled < FILLED).then(|| {
+        Remark::from(remark::HollowSection {
+            section: request.cut.name.clone(),
+            set: request.set.clone(),
+            filled,
+            width: piece.width,
+            depth: piece.depth,
+        })
     })
 }
 
 /// Warning about a section that cuts a face at which its elements end.
 pub(super) fn through_end(request: &SectionRequest, geometry: &SectionGeometry) -> Option<Remark> {
-    geometry.cuts_end.then(|| Remark::SectionThroughEnd {
-        section: request.cut.name.clone(),
-        set: request.set.clone(),
+    geometry.cuts_end.then(|| {
+        Remark::from(remark::SectionThroughEnd {
+            section: request.cut.name.clone(),
+            set: request.set.clone(),
+        })
     })
 }
 
@@ -112,10 +118,12 @@ pub(super) fn through_tetrahedra(
     let cut: Vec<&u32> = elements.iter().filter(is_cut).collect();
     let tetrahedra = cut.iter().filter(|e| mesh.kind(***e) == ElementKind::Tet4);
     let tetrahedra = tetrahedra.count();
-    (tetrahedra > 0).then(|| Remark::TetrahedralSection {
-        section: request.cut.name.clone(),
-        set: request.set.clone(),
-        elements: tetrahedra,
-        of: cut.len(),
+    (tetrahedra > 0).then(|| {
+        Remark::from(remark::TetrahedralSection {
+            section: request.cut.name.clone(),
+            set: request.set.clone(),
+            elements: tetrahedra,
+            of: cut.len(),
+        })
     })
 }

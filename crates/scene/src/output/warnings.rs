@@ -3,7 +3,7 @@
 use powerhouse_model::{HourglassShare, Mesh};
 
 use super::{Results, capacity, sampling};
-use crate::Remark;
+use crate::{Remark, remark};
 
 impl Results {
     /// Warnings about the results: large slips, large hourglass work, heavy fibres, unbalanced in-situ stress, and
@@ -11,19 +11,23 @@ impl Results {
     pub fn warnings(&self, mesh: &Mesh) -> Vec<Remark> {
         let shares = self.slip_shares(mesh).into_iter();
         let large = shares.filter(|(_, share)| *share > Self::SMALL_SLIP);
-        let remark = |(joint, share): (&str, f64)| Remark::LargeSlip {
-            joint: joint.into(),
-            share,
+        let remark = |(joint, share): (&str, f64)| {
+            Remark::from(remark::LargeSlip {
+                joint: joint.into(),
+                share,
+            })
         };
         let mut warnings: Vec<Remark> = large.map(remark).collect();
         let resists = |stage: Option<&str>, sets: &[HourglassShare], warnings: &mut Vec<Remark>| {
             let large = sets
                 .iter()
                 .filter(|set| set.share() > HourglassShare::LIMIT);
-            warnings.extend(large.map(|set| Remark::Hourglass {
-                stage: stage.map(String::from),
-                set: set.set.clone(),
-                share: set.share(),
+            warnings.extend(large.map(|set| {
+                Remark::from(remark::Hourglass {
+                    stage: stage.map(String::from),
+                    set: set.set.clone(),
+                    share: set.share(),
+                })
             }));
         };
         for stage in &self.stages {
@@ -48,7 +52,7 @@ impl Results {
     /// Warning about fibres whose added inertia the motion felt.
     fn heavy_fibres(&self) -> Option<Remark> {
         let share = self.share_of_fibres()?;
-        (share > Self::LIGHT_FIBRES).then_some(Remark::HeavyFibres { share })
+        (share > Self::LIGHT_FIBRES).then_some(Remark::from(remark::HeavyFibres { share }))
     }
     /// Warning about energy that closing cracks give, or that the time integration of the laws errs by.
     fn crack_energy(&self) -> Option<Remark> {
@@ -67,11 +71,11 @@ impl Results {
         let (recovery, integration) = (-of("recovery"), of("integration"));
         let is_large = recovery > Self::LARGE_RECOVERY * dissipated
             || integration.abs() > Self::LARGE_INTEGRATION * dissipated;
-        (dissipated > 0.0 && is_large).then_some(Remark::CrackEnergy {
+        (dissipated > 0.0 && is_large).then_some(Remark::from(remark::CrackEnergy {
             dissipated,
             recovery,
             integration,
-        })
+        }))
     }
     /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
     /// changes the body.
@@ -80,11 +84,13 @@ impl Results {
         let share = first.solution.unbalanced;
         let (displacement, node) = first.largest_displacement;
         let changes = first.excavated + first.cast > 0;
-        (self.in_situ_stress && !changes && share > Self::BALANCED).then(|| Remark::Unbalanced {
-            stage: first.name.clone(),
-            share,
-            displacement,
-            node,
+        (self.in_situ_stress && !changes && share > Self::BALANCED).then(|| {
+            Remark::from(remark::Unbalanced {
+                stage: first.name.clone(),
+                share,
+                displacement,
+                node,
+            })
         })
     }
 }
@@ -92,11 +98,11 @@ impl Results {
 /// Adds a warning; of those about the hourglass work of one set in several stages only the largest is kept.
 fn keep_worst(warnings: &mut Vec<Remark>, warning: Remark) {
     let of_stage = |warning: &Remark| match warning {
-        Remark::Hourglass {
+        Remark::Hourglass(remark::Hourglass {
             stage: Some(_),
             set,
             share,
-        } => Some((set.clone(), *share)),
+        }) => Some((set.clone(), *share)),
         _ => None,
     };
     let known = of_stage(&warning).and_then(|(set, share)| {

@@ -4,6 +4,9 @@ use core::fmt;
 
 use powerhouse_elements::WaterPressure;
 
+use super::Kind;
+use crate::Topic;
+
 /// Material with water in its pores: what the water does, in numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SaturatedMaterial {
@@ -50,10 +53,15 @@ impl Seepage {
 
 impl SaturatedMaterial {
     /// Whether no flow during the run, as it is computed, is wrong.
-    pub(crate) fn is_warning(&self) -> bool {
+    fn is_warning(&self) -> bool {
         (self.seepage).is_some_and(|seepage| seepage.share() > LARGE_SHARE)
     }
 }
+
+described!(SaturatedMaterial, |material| Kind::warning_if(
+    material.is_warning(),
+    Topic::Run
+));
 
 impl fmt::Display for SaturatedMaterial {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -2,6 +2,9 @@
 
 use core::fmt;
 
+use super::Kind;
+use crate::Topic;
+
 /// Material whose water is probably not what is meant, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaterWarning {
@@ -56,6 +59,8 @@ pub enum WaterReason {
         top: f64,
     },
 }
+
+described!(WaterWarning, |_| Kind::Warning(Topic::Run));
 
 impl fmt::Display for WaterWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -11,7 +11,7 @@ use powerhouse::engine::ExplicitOnRanks;
 use powerhouse::engine::observe::{Snapshot, SnapshotSink};
 use powerhouse::{
     CheckpointFiles, CheckpointInterval, EquilibratedBody, Error, FileScene, FolderLock, KeptState,
-    Message, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Simulation,
+    Message, Remark, ResultFolder, ResumedRun, RunHooks, RunInputs, RunNotes, Simulation, remark,
     run_inputs,
 };
 
@@ -229,7 +229,7 @@ impl<'a> SceneRun<'a> {
         let mut remarks = simulation.remarks().to_vec();
         checkpoints.report(|event| watch.checkpoint(event));
         if let Some(origin) = origin {
-            let remark = Remark::StartedFrom { origin };
+            let remark = Remark::from(remark::StartedFrom { origin });
             watch.checkpoint(CheckpointEvent::Origin(&remark));
             remarks.push(remark);
         }

@@ -18,7 +18,7 @@ pub(super) fn ground(scene: &Scene, spec: &SceneSpec, registry: &Registry) -> Op
     let boundary = spec.boundary.as_ref()?;
     let is_given = |key: &&str| boundary.parameters.get(key).is_some();
     // The padding of waves past the critical angle, and the arrival of a recorded motion, depend on the box.
-    let is_padded = |remark: &Remark| matches!(remark, Remark::QuietStart { .. });
+    let is_padded = |remark: &Remark| matches!(remark, Remark::QuietStart(_));
     if boundary.region.is_some()
         || !spec.motions.is_empty()
         || DISTANCES.iter().any(is_given)
@@ -61,7 +61,7 @@ fn is_whole(scene: &Scene, level: &Level, spec: &SceneSpec, registry: &Registry)
     let Ok(less) = FileScene::from_spec(changed, registry) else {
         return false;
     };
-    let of_empty = |remark: &&Remark| matches!(remark, Remark::EmptySet { .. });
+    let of_empty = |remark: &&Remark| matches!(remark, Remark::EmptySet(_));
     let empty = |scene: &Scene| scene.remarks().iter().filter(of_empty).count();
     empty(&less) == empty(scene)
 }

@@ -1,7 +1,7 @@
 //! Shares of records that cases cover.
 
 use powerhouse::wavefield::TimeHistory;
-use powerhouse::{FileScene, Remark};
+use powerhouse::{FileScene, Remark, remark};
 
 use super::*;
 
@@ -35,7 +35,7 @@ fn the_share_of_a_filtered_record_is_the_one_that_its_scene_warns_of() {
             std::fs::write(folder.scene(), &text).unwrap();
             let read = FileScene::from_toml(text, folder.scene(), &registry).unwrap();
             let warned = read.remarks().iter().find_map(|remark| match remark {
-                Remark::TruncatedRecord { share, .. } => Some(*share),
+                Remark::TruncatedRecord(remark::TruncatedRecord { share, .. }) => Some(*share),
                 _ => None,
             });
             let out = folder.0.join(format!("out-{}", shares.len()));
