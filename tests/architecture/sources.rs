@@ -12,7 +12,7 @@ const MOST_LINES: usize = 620;
 const MOST_LINES_OF_TESTS: usize = 800;
 
 /// Files below a directory, without build output, run output and what is hidden.
-pub(crate) fn files_below(directory: &Path) -> Vec<PathBuf> {
+pub(super) fn files_below(directory: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![directory.to_path_buf()];
     while let Some(directory) = open.pop() {
