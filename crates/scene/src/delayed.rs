@@ -1,7 +1,7 @@
 //! Slices whose sides are delayed against each other: a long structure along y under waves of any azimuth.
 
-use powerhouse_model::{PeriodicPairs, StiffElements, Vec3};
-use powerhouse_wavefield::{PlaneWave, WaveKind};
+use powerhouse_model::{IncidentField, PeriodicPairs, StiffElements, Vec3};
+use powerhouse_wavefield::{Angle, LayeredWave, PlaneWave, WaveKind};
 use thiserror::Error;
 
 use crate::remark::{Kind, described};
@@ -28,9 +28,9 @@ pub enum DelayedError {
     /// Several slices.
     #[error("a scene has one pair of delayed sides, and this is another one")]
     Twice,
-    /// A field that is no sum of plane waves in one half-space.
+    /// A field that is no sum of plane waves.
     #[error(
-        "delayed sides need plane waves in homogeneous ground (`[[wave]]` without `[[layer]]`), and the field '{field}' is none: take rollers or periodic pairs for waves across the axis, or a body with its whole length"
+        "delayed sides need plane waves (`[[wave]]`), and the field '{field}' is none: take rollers or periodic pairs for waves across the axis, or a body with its whole length"
     )]
     OtherField {
         /// Name of the field.
@@ -135,9 +135,64 @@ fn with(what: impl Into<String>, way: &'static str) -> DelayedError {
     }
 }
 
-/// Slowness of a wave along y (s/m), zero for a wave across it.
-fn along_y(wave: &PlaneWave) -> f64 {
-    let slowness = wave.parameters().slowness();
+/// A plane wave in homogeneous or layered ground, as slices see it.
+struct SliceWave<'s> {
+    name: &'s str,
+    kind: WaveKind,
+    azimuth: Angle,
+    /// Speed of the incident wave (m/s).
+    speed: f64,
+    /// Speed (m/s) of the fastest of all waves into which it splits.
+    fastest: f64,
+    /// Slowness along y (s/m), zero for a wave across it.
+    along_y: f64,
+    is_causal: bool,
+}
+
+impl<'s> SliceWave<'s> {
+    fn homogeneous(wave: &'s PlaneWave) -> Self {
+        let parameters = wave.parameters();
+        Self {
+            name: IncidentField::name(wave),
+            kind: parameters.kind,
+            azimuth: parameters.azimuth,
+            speed: parameters.kind.speed(&parameters.medium),
+            fastest: fastest(parameters.kind).speed(&parameters.medium),
+            along_y: along_y(parameters.slowness()),
+            is_causal: wave.is_causal(),
+        }
+    }
+
+    fn layered(wave: &'s LayeredWave) -> Self {
+        let parameters = wave.parameters();
+        let (kind, ground) = (parameters.kind, &parameters.ground);
+        let speed = kind.speed(&ground.half_space());
+        let layers = ground.layers().iter().map(|layer| &layer.medium);
+        let speeds = layers.map(|medium| fastest(kind).speed(medium));
+        let (across, along) = parameters.azimuth.radians().sin_cos();
+        let (sine, cosine) = parameters.incidence.radians().sin_cos();
+        Self {
+            name: IncidentField::name(wave),
+            kind,
+            azimuth: parameters.azimuth,
+            speed,
+            fastest: speeds.fold(fastest(kind).speed(&ground.half_space()), f64::max),
+            along_y: along_y(Vec3::new(sine * along, sine * across, cosine) / speed),
+            is_causal: wave.is_causal(),
+        }
+    }
+}
+
+/// Type of the fastest waves into which an incident one splits at surface and interfaces.
+fn fastest(kind: WaveKind) -> WaveKind {
+    match kind {
+        WaveKind::SH => WaveKind::SH,
+        WaveKind::P | WaveKind::SV => WaveKind::P,
+    }
+}
+
+/// The part of a slowness (s/m) along y, zero if there is none to rounding.
+fn along_y(slowness: Vec3) -> f64 {
     match slowness.y.abs() > ACROSS * slowness.norm() {
         true => slowness.y,
         false => 0.0,
@@ -166,14 +221,21 @@ impl Scene {
 
     /// Slowness along y (s/m) of the motion of a slice with delayed sides, zero for any other body.
     pub fn slowness_along_y(&self) -> f64 {
-        let first = self.waves.first().filter(|_| self.delayed.is_some());
-        first.map_or(0.0, along_y)
+        let first = self.waves_of_slice().next();
+        let first = first.filter(|_| self.delayed.is_some());
+        first.map_or(0.0, |wave| wave.along_y)
+    }
+
+    /// All plane waves, in homogeneous or in layered ground.
+    fn waves_of_slice(&self) -> impl Iterator<Item = SliceWave<'_>> {
+        let layered = self.layered.iter().map(SliceWave::layered);
+        self.waves.iter().map(SliceWave::homogeneous).chain(layered)
     }
 
     /// Speed of P waves of the fastest part over that of the motion along y (1) if a slice with delayed sides took the place of this body; none
     /// where waves, parts or boundary have no place in such a slice, where it is not exact, or where waves travel across y.
     pub fn ratio_in_delayed_slice(&self) -> Option<f64> {
-        let (first, boundary) = (self.waves.first()?, self.boundary.as_ref()?);
+        let (first, boundary) = (self.waves_of_slice().next()?, self.boundary.as_ref()?);
         if self.delayed.is_some() {
             return None;
         }
@@ -184,7 +246,7 @@ impl Scene {
             .parts
             .iter()
             .map(|part| part.material.medium().p_speed());
-        let ratio = along_y(first).abs() * speeds.fold(0.0, f64::max);
+        let ratio = first.along_y.abs() * speeds.fold(0.0, f64::max);
         (0.0 < ratio && ratio <= STIFF).then_some(ratio)
     }
 
@@ -236,25 +298,28 @@ impl Scene {
     }
 
     fn check_waves_of_slice(&self) -> Result<(), DelayedError> {
-        if let (Some(field), []) = (&self.field, &self.waves[..]) {
-            return Err(DelayedError::OtherField {
-                field: field.name().into(),
+        let Some(first) = self.waves_of_slice().next() else {
+            let field = self.field.as_ref();
+            return field.map_or(Ok(()), |field| {
+                Err(DelayedError::OtherField {
+                    field: field.name().into(),
+                })
             });
-        }
-        let name = |wave: &PlaneWave| powerhouse_model::IncidentField::name(wave).to_owned();
-        for wave in &self.waves {
-            let (first, own) = (along_y(&self.waves[0]), along_y(wave));
-            if (own - first).abs() > SAME * first.abs().max(own.abs()) {
+        };
+        for wave in self.waves_of_slice() {
+            let slownesses = [first.along_y, wave.along_y];
+            let [least, most] = slownesses.map(f64::abs);
+            if (slownesses[1] - slownesses[0]).abs() > SAME * least.max(most) {
                 return Err(DelayedError::Slownesses {
-                    first: name(&self.waves[0]),
-                    second: name(wave),
-                    slownesses: [first, own],
+                    first: first.name.into(),
+                    second: wave.name.into(),
+                    slownesses,
                 });
             }
-            if own != 0.0 && !wave.is_causal() {
+            if wave.along_y != 0.0 && !wave.is_causal {
                 return Err(DelayedError::PastCritical {
-                    wave: name(wave),
-                    largest: self.largest_incidence(wave),
+                    wave: wave.name.into(),
+                    largest: self.largest_incidence(&wave),
                 });
             }
         }
@@ -263,21 +328,16 @@ impl Scene {
 
     /// The largest incidence (degrees, rounded down to tenths) of a wave at its azimuth that neither a part nor the critical angle
     /// refuses.
-    fn largest_incidence(&self, wave: &PlaneWave) -> f64 {
-        let parameters = wave.parameters();
-        let own = parameters.kind.speed(&parameters.medium);
-        let along = parameters.azimuth.radians().sin().abs();
+    fn largest_incidence(&self, wave: &SliceWave) -> f64 {
+        let own = wave.speed;
+        let along = wave.azimuth.radians().sin().abs();
         let ground = self.parts_behind_boundary().unwrap_or_default();
         let of_part = |(index, part): (usize, &Part)| {
             let most = most_ratio(ground.contains(&index));
             most * own / (part.material.medium().p_speed() * along)
         };
-        let mut sine = (self.parts.iter().enumerate())
-            .map(of_part)
-            .fold(1.0, f64::min);
-        if parameters.kind == WaveKind::SV {
-            sine = sine.min(own / parameters.medium.p_speed());
-        }
+        let parts = self.parts.iter().enumerate().map(of_part);
+        let sine = parts.fold(own / wave.fastest, f64::min);
         (10.0 * sine.asin().to_degrees()).floor() / 10.0
     }
 
@@ -292,15 +352,14 @@ impl Scene {
             if ratio <= most {
                 continue;
             }
-            let largest = |wave: &PlaneWave| {
-                let parameters = wave.parameters();
-                let (azimuth, kind) = (parameters.azimuth.degrees(), parameters.kind);
-                let degrees = self.largest_incidence(wave);
+            let largest = |wave: SliceWave| {
+                let (azimuth, kind) = (wave.azimuth.degrees(), wave.kind);
+                let degrees = self.largest_incidence(&wave);
                 format!(
                     "at azimuth {azimuth:.1} degrees the incidence of {kind} waves is at most {degrees:.1} degrees"
                 )
             };
-            let ways: Vec<String> = self.waves.iter().map(largest).collect();
+            let ways: Vec<String> = self.waves_of_slice().map(largest).collect();
             return Err(DelayedError::Fast {
                 set: part.set.clone(),
                 speed,

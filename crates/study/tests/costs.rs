@@ -37,7 +37,11 @@ fn rock() -> Material {
 }
 
 fn scene(mesh: Mesh, faces: &[&str]) -> Scene {
-    let mut parameters = PlaneWaveParameters::vertical(WaveKind::P, ROCK, 0.0);
+    scene_of(ROCK, mesh, faces)
+}
+
+fn scene_of(medium: ElasticMedium, mesh: Mesh, faces: &[&str]) -> Scene {
+    let mut parameters = PlaneWaveParameters::vertical(WaveKind::P, medium, 0.0);
     parameters.reference = mesh.bounding_box().0;
     let pulse = Arc::new(SmoothPulse::new(0.01, 0.2).unwrap());
     let wave = PlaneWave::new(parameters, pulse).unwrap();
@@ -286,7 +290,7 @@ fn nearer_faces_leave_the_predicted_elements() {
         mesh.set_element_set("lining", lining).unwrap();
         mesh.set_element_set("ground", rest).unwrap();
         let rock = || Material::from(LinearElastic::new(medium));
-        scene(mesh, &SIDES)
+        scene_of(medium, mesh, &SIDES)
             .part(Part::new("ground", rock()))
             .part(Part::new("lining", rock()))
     };

@@ -40,6 +40,22 @@ pub struct MatchReport {
     pub iterations: usize,
 }
 
+impl MatchReport {
+    /// Report of two matches between which the baseline was corrected; the changes add up.
+    #[must_use]
+    pub fn followed_by(self, second: &Self) -> Self {
+        Self {
+            factor: self.factor * second.factor,
+            before: self.before,
+            motion_before: self.motion_before,
+            arias: [self.arias[0], second.arias[1]],
+            changed: self.changed + second.changed,
+            iterations: self.iterations + second.iterations,
+            ..*second
+        }
+    }
+}
+
 /// Periods between which spectra are compared, and where matching ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectralBand {

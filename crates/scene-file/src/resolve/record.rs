@@ -114,16 +114,25 @@ fn processed(
     };
     let mut parts = Vec::new();
     for ((name, history, facts), matched) in read.into_iter().zip(matched) {
-        let (history, wavelets) = match matched {
+        let (warnings, source, first) = facts;
+        let (history, mut wavelets) = match matched {
             Some((matched, report)) => (matched, report),
             None => (history, None),
         };
-        let (history, baseline) = corrected(table, history)?;
-        let (warnings, source, first) = facts;
-        let baseline = match (first, baseline) {
-            (Some(first), Some(second)) => Some(first.followed_by(&second)),
-            (first, second) => second.or(first),
-        };
+        let (mut history, baseline) = corrected(table, history)?;
+        let mut baseline = followed(first, baseline);
+        // What the correction takes from the match of a short record comes back by further wavelets.
+        let target = target.as_ref().filter(|_| first.is_some());
+        if let (Some(target), Some(report)) = (target, &mut wavelets) {
+            for _ in 1..MOST_MATCHES {
+                let Some((matched, again)) = target.matched_again(&history)? else {
+                    break;
+                };
+                let (corrected, next) = corrected(table, matched)?;
+                (history, baseline) = (corrected, followed(baseline, next));
+                *report = report.followed_by(&again);
+            }
+        }
         parts.push((name, history, baseline, ((warnings, source), wavelets)));
     }
     let factor = match &target {
@@ -325,6 +334,20 @@ fn cut(table: &Record, mut history: TimeHistory) -> Result<TimeHistory, Fault> {
         (None, None) => {}
     }
     Ok(history)
+}
+
+/// Greatest number of times that a record is matched, each time with a correction of its baseline behind it.
+const MOST_MATCHES: usize = 6;
+
+/// Report of a correction after earlier ones.
+fn followed(
+    first: Option<BaselineReport>,
+    second: Option<BaselineReport>,
+) -> Option<BaselineReport> {
+    match (first, second) {
+        (Some(first), Some(second)) => Some(first.followed_by(&second)),
+        (first, second) => second.or(first),
+    }
 }
 
 /// Applies the baseline correction.

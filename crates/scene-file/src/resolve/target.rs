@@ -85,6 +85,19 @@ impl<'t> SpectrumOfRecord<'t> {
         parts.map(part).collect()
     }
 
+    /// A record whose match has been spoilt by the correction of its baseline, matched again; `None` where the spectrum is within the
+    /// tolerance.
+    pub(super) fn matched_again(
+        &self,
+        history: &TimeHistory,
+    ) -> Result<Option<(TimeHistory, MatchReport)>, Fault> {
+        let refused = |error| self.refused(error);
+        let misfit = history.misfit(&self.target, &self.band).map_err(refused)?;
+        let is_reached = misfit.worst() <= self.band.tolerance;
+        let matched = || history.matched_to_spectrum(&self.target, &self.band);
+        (!is_reached).then(matched).transpose().map_err(refused)
+    }
+
     /// Factor for all parts of a record whose baselines are corrected: 1 where wavelets have been added.
     pub(super) fn factor<'p>(
         &self,
