@@ -402,13 +402,17 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
         let (predicted, name) = (candidate.predicted, candidate.kind.name());
         println!("{name}: predicted {predicted:.4}, measured {measured:.4}");
         let is_recommended = advice.recommended().is_some_and(|named| named == candidate);
-        let remark = match is_recommended {
-            true => "of the boundary that is named",
-            false => "of another boundary",
+        let remark = if is_recommended {
+            "of the boundary that is named"
+        } else {
+            "of another boundary"
         };
-        let of = |what: &str| match is_recommended {
-            true => figure(what),
-            false => figure(&format!("other{place}.{what}")),
+        let of = |what: &str| {
+            if is_recommended {
+                figure(what)
+            } else {
+                figure(&format!("other{place}.{what}"))
+            }
         };
         figures.report(&of("predicted"), predicted, remark);
         if is_recommended {

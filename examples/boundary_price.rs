@@ -220,9 +220,10 @@ fn input_cost() -> Outcome<[f64; 2]> {
         let mut boundary = Boundary::new(Viscous::default(), FACES).with_scatterer(middle);
         boundary.region = region;
         let scene = scene.with_boundary(boundary).with_threads(1);
-        let scene = match waves {
-            true => scene.with_plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?,
-            false => scene,
+        let scene = if waves {
+            scene.with_plane_waves(vec![wavefield::PlaneWave::new(parameters, pulse)?])?
+        } else {
+            scene
         };
         Ok(scene
             .with_start_time(-1.0)

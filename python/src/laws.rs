@@ -147,9 +147,10 @@ impl Evaluated {
             initial_stress: of_rows(py, stresses(points.initial), 6)?.unbind(),
             history: history.unbind(),
             widths: of_rows(py, widths.collect(), 3)?.unbind(),
-            positions: match self.law.locations {
-                true => Some(of_rows(py, positions.to_vec(), 3)?.unbind()),
-                false => None,
+            positions: if self.law.locations {
+                Some(of_rows(py, positions.to_vec(), 3)?.unbind())
+            } else {
+                None
             },
             parameters: parameters.unbind(),
         })

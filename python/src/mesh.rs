@@ -57,11 +57,14 @@ impl Mesh {
             builder.node(index as u64, position);
         }
         let count = points.nrows() as i64;
-        let tag = |what: &str, index: i64| match (0..count).contains(&index) {
-            true => Ok(index as u64),
-            false => Err(refused(format!(
-                "{what}: node {index} is none of the {count} points, whose indices begin with 0"
-            ))),
+        let tag = |what: &str, index: i64| {
+            if (0..count).contains(&index) {
+                Ok(index as u64)
+            } else {
+                Err(refused(format!(
+                    "{what}: node {index} is none of the {count} points, whose indices begin with 0"
+                )))
+            }
         };
         let mut count_of_elements = 0;
         for (name, cells) in &blocks {
@@ -105,12 +108,15 @@ impl Mesh {
             .build()
             .map_err(|error| refused(error.to_string()))?;
         for (name, members) in elements {
-            let member = |index: i64| match (0..count_of_elements as i64).contains(&index) {
-                true => Ok(index as u32),
-                false => Err(refused(format!(
-                    "element set '{name}': element {index} is none of the {count_of_elements} elements, whose indices \
+            let member = |index: i64| {
+                if (0..count_of_elements as i64).contains(&index) {
+                    Ok(index as u32)
+                } else {
+                    Err(refused(format!(
+                        "element set '{name}': element {index} is none of the {count_of_elements} elements, whose indices \
                      begin with 0"
-                ))),
+                    )))
+                }
             };
             let members: Vec<u32> = members.into_iter().map(member).collect::<PyResult<_>>()?;
             let set = mesh.set_element_set(&name, members);

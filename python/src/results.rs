@@ -136,9 +136,12 @@ pub(crate) struct KeptSnapshot {
 
 impl KeptSnapshot {
     fn new(py: Python<'_>, shot: Shot) -> PyResult<Self> {
-        let rows = |values: Vec<f64>, width: usize| match values.is_empty() {
-            true => Ok(None),
-            false => Ok::<_, PyErr>(Some(of_rows(py, values, width)?.unbind())),
+        let rows = |values: Vec<f64>, width: usize| {
+            if values.is_empty() {
+                Ok(None)
+            } else {
+                Ok::<_, PyErr>(Some(of_rows(py, values, width)?.unbind()))
+            }
         };
         let state = shot.state.into_iter().map(|(variable, values)| {
             let array = of_list(py, values).unbind();

@@ -54,9 +54,10 @@ impl Source {
 
     /// Checks that the results in a folder would not take the place of the scene file.
     pub(crate) fn keep_file(&self, folder: &Path) -> Result<(), Error> {
-        match self.is_file {
-            true => ResultFolder::new(folder).keep_scene(&self.path),
-            false => Ok(()),
+        if self.is_file {
+            ResultFolder::new(folder).keep_scene(&self.path)
+        } else {
+            Ok(())
         }
     }
 

@@ -255,9 +255,12 @@ pub(crate) struct TradeOrder {
 impl TradeOrder {
     /// A goal from a permitted error (1) or a permitted wall time (s).
     pub(crate) fn goal(error: Option<f64>, budget: Option<f64>) -> Result<Goal, String> {
-        let positive = |name: &str, value: f64| match value.is_finite() && value > 0.0 {
-            true => Ok(value),
-            false => Err(format!("{name}: found {value}, expected a number above 0")),
+        let positive = |name: &str, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(value)
+            } else {
+                Err(format!("{name}: found {value}, expected a number above 0"))
+            }
         };
         match (error, budget) {
             (Some(_), Some(_)) => Err("error and budget: expected one of them".into()),

@@ -60,9 +60,10 @@ impl Turns {
             sleepers: AtomicUsize::new(0),
             lock: Mutex::new(()),
             bell: Condvar::new(),
-            looks: match processors > threads {
-                true => MANY_LOOKS,
-                false => FEW_LOOKS,
+            looks: if processors > threads {
+                MANY_LOOKS
+            } else {
+                FEW_LOOKS
             },
         }
     }
@@ -105,9 +106,10 @@ impl Turns {
         }
         let guard = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
         self.sleepers.fetch_add(1, Ordering::SeqCst);
-        let woken = match goes_on(self.present()) {
-            true => self.bell.wait_timeout(guard, LONGEST).map(drop),
-            false => Ok(()),
+        let woken = if goes_on(self.present()) {
+            self.bell.wait_timeout(guard, LONGEST).map(drop)
+        } else {
+            Ok(())
         };
         self.sleepers.fetch_sub(1, Ordering::SeqCst);
         drop(woken);

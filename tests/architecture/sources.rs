@@ -93,9 +93,10 @@ fn declaration(path: &Path) -> Option<(Vec<PathBuf>, String)> {
         ["tests", ..] => 1,
         _ => return None,
     };
-    let module = match path.ends_with("mod.rs") {
-        true => path.parent()?,
-        false => path,
+    let module = if path.ends_with("mod.rs") {
+        path.parent()?
+    } else {
+        path
     };
     let folder = module.parent()?;
     let is_top = folder.iter().count() == top;

@@ -20,9 +20,10 @@ fn left(kernel: SolidKernel, nodes: usize, (turned, jitter): (bool, f64)) -> f64
     let along = 4 * nodes * width / 2;
     let (length, side) = (SPACING * (4 * nodes) as f64, 2.0 * SPACING);
     let axis = if turned { 0 } else { 2 };
-    let (size, cells) = match turned {
-        true => (Vec3::new(length, side, side), [along, width, width]),
-        false => (Vec3::new(side, side, length), [width, width, along]),
+    let (size, cells) = if turned {
+        (Vec3::new(length, side, side), [along, width, width])
+    } else {
+        (Vec3::new(side, side, length), [width, width, along])
     };
     // Corners are moved along the axis, so that the sides stay plane.
     let mut ground = Ground::boxed(size, cells, media::ROCK, kernel).mapped(|x| {

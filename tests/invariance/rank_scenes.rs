@@ -74,11 +74,12 @@ fn write(
 ) -> Result<(), Error> {
     let simulation = scene.with_engine(engine).prepare()?;
     let folder = ResultFolder::new(folder);
-    let hooks = hooks(match leads {
-        true => RunHooks::default()
+    let hooks = hooks(if leads {
+        RunHooks::default()
             .with_stages(folder.stages(&simulation)?)
-            .with_snapshots(folder.snapshots(&simulation)?),
-        false => RunHooks::default().with_snapshots(Box::new(Blind)),
+            .with_snapshots(folder.snapshots(&simulation)?)
+    } else {
+        RunHooks::default().with_snapshots(Box::new(Blind))
     });
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
     let results = simulation.run(hooks)?;
@@ -221,11 +222,14 @@ fn a_run_goes_on_with_another_number_of_ranks() {
         let body = Arc::new(body);
         case.on_ranks(before, |engine, leads| {
             let (first, body) = (first.clone(), body.clone());
-            let stopped = write(case.scene(), engine, leads, &folder, |hooks| match leads {
-                true => hooks
-                    .with_checkpoints(first)
-                    .with_stage_hook(move |now| *body.lock().unwrap() = Some(now.clone())),
-                false => hooks,
+            let stopped = write(case.scene(), engine, leads, &folder, |hooks| {
+                if leads {
+                    hooks
+                        .with_checkpoints(first)
+                        .with_stage_hook(move |now| *body.lock().unwrap() = Some(now.clone()))
+                } else {
+                    hooks
+                }
             });
             assert!(stopped.is_err());
         });

@@ -140,9 +140,10 @@ impl<F> Default for Inputs<F> {
 
 impl<F: NodeForce> Inputs<F> {
     fn of(&mut self, is_first: bool) -> &mut Vec<(Place, F)> {
-        match is_first {
-            true => &mut self.first,
-            false => &mut self.others,
+        if is_first {
+            &mut self.first
+        } else {
+            &mut self.others
         }
     }
 

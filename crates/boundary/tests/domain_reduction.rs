@@ -222,9 +222,12 @@ fn effective_forces_come_from_the_split_layer() {
     let on_region = mesh.nodes_of_elements(&inside);
     let is_inner = |node: u32| on_region.binary_search(&node).is_ok();
     let of_side = |inner: bool| {
-        truss.forces(mesh.node_count(), |node| match is_inner(node) == inner {
-            true => skew(&mesh.positions()[node as usize], time),
-            false => Vec3::zeros(),
+        truss.forces(mesh.node_count(), |node| {
+            if is_inner(node) == inner {
+                skew(&mesh.positions()[node as usize], time)
+            } else {
+                Vec3::zeros()
+            }
         })
     };
     let (of_inner, of_outer) = (of_side(true), of_side(false));

@@ -42,9 +42,10 @@ pub(crate) fn ground(path: &Path, case: Option<String>, error: f64) -> Outcome {
     let scene = read_case(path, case)?;
     let advice = advise_box(&scene, error)?;
     say_on!("{advice}");
-    Ok(match advice.unchanged <= advice.error {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::from(WARNED),
+    Ok(if advice.unchanged <= advice.error {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(WARNED)
     })
 }
 

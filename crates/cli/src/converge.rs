@@ -55,9 +55,10 @@ impl ConvergeArguments {
             self.out.clone(),
             &registry,
         )?;
-        study = match self.finer.is_empty() {
-            true => study.with_meshes(self.meshes)?,
-            false => study.with_finer_files(&self.finer)?,
+        study = if self.finer.is_empty() {
+            study.with_meshes(self.meshes)?
+        } else {
+            study.with_finer_files(&self.finer)?
         };
         if let Some(duration) = self.duration {
             study = study.with_duration(duration)?;

@@ -487,12 +487,13 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 /// Refuses a file for a drawing of a kind whose name has another ending than that of its format.
 fn check_ending(file: &Path, (kind, ending): (&str, &str)) -> Result<(), String> {
-    match file.extension().is_some_and(|found| found == ending) {
-        true => Ok(()),
-        false => Err(format!(
+    if file.extension().is_some_and(|found| found == ending) {
+        Ok(())
+    } else {
+        Err(format!(
             "{}: the name of a {kind} must end with .{ending}",
             file.display()
-        )),
+        ))
     }
 }
 

@@ -35,8 +35,9 @@ pub(crate) fn page(folder: &Path) -> Outcome {
     for gap in &gaps {
         say_warning!("{gap}");
     }
-    Ok(match gaps.is_empty() {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::from(WARNED),
+    Ok(if gaps.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(WARNED)
     })
 }

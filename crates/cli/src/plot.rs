@@ -122,9 +122,10 @@ pub(crate) fn plot(arguments: PlotArguments) -> Outcome {
         }
         return Ok(ExitCode::SUCCESS);
     }
-    let dampings = match arguments.damping.is_empty() {
-        true => DAMPINGS.into(),
-        false => arguments.damping.clone(),
+    let dampings = if arguments.damping.is_empty() {
+        DAMPINGS.into()
+    } else {
+        arguments.damping.clone()
     };
     let measure = match arguments.of {
         Kind::FloorSpectrum => return floor(arguments, dampings),

@@ -104,9 +104,10 @@ pub(crate) fn end_of_run(mesh: &Mesh, results: &Results) {
         Ended::Observer(name) => format!("ended by {name}"),
         Ended::Failed(_) => "failed".into(),
     };
-    let with = match results.stages.is_empty() {
-        true => "",
-        false => " with the construction stages",
+    let with = if results.stages.is_empty() {
+        ""
+    } else {
+        " with the construction stages"
     };
     let elements = match &results.present {
         Some(present) => present.iter().filter(|present| **present).count(),

@@ -40,9 +40,10 @@ impl SweepOutput {
         let mut repeated = 0;
         for Message { text, .. } in warnings {
             // Most cases of a sweep have the same warnings.
-            match self.warned.insert(text.clone()) {
-                true => self.say(&format!("  {case}: warning: {text}")),
-                false => repeated += 1,
+            if self.warned.insert(text.clone()) {
+                self.say(&format!("  {case}: warning: {text}"))
+            } else {
+                repeated += 1
             }
         }
         if repeated > 0 {
@@ -109,9 +110,10 @@ impl SweepWatch for SweepOutput {
         Some(hook)
     }
     fn stages(&mut self, case: &str, files: Box<dyn StageSink>) -> Box<dyn StageSink> {
-        let prefix = match self.several {
-            true => format!("{case}: "),
-            false => String::new(),
+        let prefix = if self.several {
+            format!("{case}: ")
+        } else {
+            String::new()
         };
         Box::new(Stages::new(files, &self.bars, &prefix))
     }

@@ -157,9 +157,10 @@ pub(crate) fn settle(status: ExitCode, only_prints: bool) -> ExitCode {
             aside(format_args!(
                 "the standard output could not be written: {reason}"
             ));
-            match only_prints {
-                true => ExitCode::from(FAILED),
-                false => status,
+            if only_prints {
+                ExitCode::from(FAILED)
+            } else {
+                status
             }
         }
         _ => status,

@@ -29,9 +29,10 @@ fn kill_and_resume(name: &str, kills: u32) {
     loop {
         let has_checkpoint = killed.join("checkpoint").is_dir();
         let threads = 1 + done as usize % 3;
-        let arguments = match has_checkpoint {
-            true => ["run", "--resume", &killed_text, every[0], every[1]].to_vec(),
-            false => ["run", &scene, "--out", &killed_text, every[0], every[1]].to_vec(),
+        let arguments = if has_checkpoint {
+            ["run", "--resume", &killed_text, every[0], every[1]].to_vec()
+        } else {
+            ["run", &scene, "--out", &killed_text, every[0], every[1]].to_vec()
         };
         let mut run = start(&arguments, threads, &printed);
         resumed += u32::from(has_checkpoint);

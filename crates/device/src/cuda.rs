@@ -36,9 +36,10 @@ fn failed(operation: &str, reason: impl core::fmt::Display) -> DeviceError {
 /// Refuses a library that is not on the machine.
 fn check_library(what: &str, is_present: unsafe fn() -> bool) -> Result<(), DeviceError> {
     let reason = "its library was not found where the system looks for libraries (LD_LIBRARY_PATH)";
-    match is_found(is_present) {
-        true => Ok(()),
-        false => Err(DeviceError::missing(what, reason)),
+    if is_found(is_present) {
+        Ok(())
+    } else {
+        Err(DeviceError::missing(what, reason))
     }
 }
 

@@ -336,12 +336,11 @@ fn fill(
     inputs.extend((0..velocity).map(InputPlace::Velocity));
     for row in numbers.chunks_exact(elements) {
         let bits = row[0].to_bits();
-        inputs.push(match row.iter().all(|number| number.to_bits() == bits) {
-            true => InputPlace::Number(row[0]),
-            false => {
-                group.constants.extend_from_slice(row);
-                InputPlace::Constant(group.constants.len() / elements - 1)
-            }
+        inputs.push(if row.iter().all(|number| number.to_bits() == bits) {
+            InputPlace::Number(row[0])
+        } else {
+            group.constants.extend_from_slice(row);
+            InputPlace::Constant(group.constants.len() / elements - 1)
         });
     }
     inputs.extend((0..histories).map(InputPlace::History));
@@ -381,9 +380,10 @@ impl Rest {
         NodalView::F64(&self.double)
     }
     fn velocity(&self) -> NodalView<'_> {
-        match self.is_single {
-            true => NodalView::F32(&self.single),
-            false => NodalView::F64(&self.double),
+        if self.is_single {
+            NodalView::F32(&self.single)
+        } else {
+            NodalView::F64(&self.double)
         }
     }
 }

@@ -101,9 +101,10 @@ pub(crate) fn source(groups: &[ElementGroup], options: NodeOptions) -> String {
 
 /// Parameters of the kernel of a group of elements; `Real` stands for its format.
 fn element_parameters(single: bool) -> [Parameter; 9] {
-    let [constants, history] = match single {
-        true => ["const float *", "float *"],
-        false => ["const double *", "double *"],
+    let [constants, history] = if single {
+        ["const float *", "float *"]
+    } else {
+        ["const double *", "double *"]
     };
     [
         ("const double *", "displacement"),

@@ -120,9 +120,10 @@ impl ModelFrequencies for Model {
         self.frequency_limits()
     }
     fn fibres(&mut self) -> Option<&mut dyn FibreModel> {
-        match self.takes_fibres() {
-            true => Some(self),
-            false => None,
+        if self.takes_fibres() {
+            Some(self)
+        } else {
+            None
         }
     }
 }

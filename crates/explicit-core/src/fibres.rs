@@ -181,9 +181,10 @@ impl Fibres {
         let mut found = Self::default();
         for (own, added) in fibres {
             let of_group = |group: &u32| &groups[*group as usize];
-            match own.iter().all(|group| of_group(group).is_diagonal()) {
-                true => found.diagonal.push(own, *added, groups, constrained),
-                false => found.full.push(own, *added, groups, constrained),
+            if own.iter().all(|group| of_group(group).is_diagonal()) {
+                found.diagonal.push(own, *added, groups, constrained)
+            } else {
+                found.full.push(own, *added, groups, constrained)
             }
         }
         on_both!(found, set => set.finish(constrained));
@@ -546,12 +547,11 @@ impl<M: Map> FibreSet<M> {
                 sum += vector[group.members[0] as usize] * root;
             }
             let alone = 1.0 / (1.0 + fibre.added).sqrt();
-            let (values, axes) = match common == Mat3::from_diagonal(&common.diagonal()) {
-                true => (common.diagonal(), Mat3::identity()),
-                false => {
-                    let eigen = common.symmetric_eigen();
-                    (eigen.eigenvalues, eigen.eigenvectors)
-                }
+            let (values, axes) = if common == Mat3::from_diagonal(&common.diagonal()) {
+                (common.diagonal(), Mat3::identity())
+            } else {
+                let eigen = common.symmetric_eigen();
+                (eigen.eigenvalues, eigen.eigenvectors)
             };
             let mut shared = Vec3::zeros();
             for (&value, axis) in values.iter().zip(axes.column_iter()) {

@@ -262,9 +262,10 @@ impl Groups {
                 members: group.members.clone(),
                 is_diagonal: diagonal.is_diagonal,
                 carry: matrices.carry,
-                inverse: match diagonal.is_diagonal {
-                    true => Mat3::from_diagonal(&diagonal.response),
-                    false => matrices.inverse,
+                inverse: if diagonal.is_diagonal {
+                    Mat3::from_diagonal(&diagonal.response)
+                } else {
+                    matrices.inverse
                 },
                 spring: group.spring,
                 origin: *origin,

@@ -33,9 +33,10 @@ impl TimeIntegrator for Leapfrog {
     fn check(&self, limits: &FrequencyLimits, step: f64) -> Result<(), RunError> {
         let limit = self.stable_step(limits)?;
         let of_mass = limit * limits.most_mass_damping >= 2.0;
-        let reason = match of_mass {
-            true => "mass damping that would reverse velocities in every step",
-            false => "the highest frequency and its stiffness damping",
+        let reason = if of_mass {
+            "mass damping that would reverse velocities in every step"
+        } else {
+            "the highest frequency and its stiffness damping"
         };
         refuse_above(self.name(), limit, step, reason)
     }

@@ -66,9 +66,10 @@ impl NodeGroup {
         let spring = self.spring * (after - before) * (0.25 * step * step);
         let dashpot = self.dashpot * (after + before) * (0.5 * step);
         let own = after * mass - before * old + dashpot + spring;
-        match self.has_directed_mass() {
-            true => own + self.directed_mass * (after - before),
-            false => own,
+        if self.has_directed_mass() {
+            own + self.directed_mass * (after - before)
+        } else {
+            own
         }
     }
 

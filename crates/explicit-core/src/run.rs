@@ -282,16 +282,16 @@ impl TimeLoop<'_> {
                 self.checkpoint(options, step)?;
             }
             self.last = stopped || self.done + 1 == planned;
-            let unseen = match self.last || done == first {
-                true => 0,
-                false => self.unseen_steps(step, planned, sink.map(AsRef::as_ref)),
+            let unseen = if self.last || done == first {
+                0
+            } else {
+                self.unseen_steps(step, planned, sink.map(AsRef::as_ref))
             };
-            let taken = match self.leave_to_device(unseen, step)? {
-                true => unseen,
-                false => {
-                    integrator.step(self, step)?;
-                    1
-                }
+            let taken = if self.leave_to_device(unseen, step)? {
+                unseen
+            } else {
+                integrator.step(self, step)?;
+                1
             };
             if let Some(failure) = self.failure.take() {
                 return Err(failure);

@@ -248,9 +248,10 @@ impl Model {
 
     /// Start of the names of the sections of constraints: of a part of them where there are other ranks.
     fn part(&self, kind: &str) -> String {
-        match self.ranks.is_single() {
-            true => kind.into(),
-            false => format!("{PART} {} of {kind}", self.ranks.team.rank()),
+        if self.ranks.is_single() {
+            kind.into()
+        } else {
+            format!("{PART} {} of {kind}", self.ranks.team.rank())
         }
     }
 
@@ -310,12 +311,13 @@ impl Model {
             let (constraint, index) = (&mut bound.constraint, index as usize);
             let own = name(CONSTRAINT, index, constraint.name());
             if let Some(bytes) = sections.take(&own) {
-                let restored = match is_single {
-                    true => match constraint.saved_mut() {
+                let restored = if is_single {
+                    match constraint.saved_mut() {
                         Some(state) => state.restore_state(bytes),
                         None => Err(StateError::Unexpected),
-                    },
-                    false => restore_parts(constraint.as_mut(), bytes),
+                    }
+                } else {
+                    restore_parts(constraint.as_mut(), bytes)
                 };
                 restored.map_err(of_part(&own))?;
                 continue;
@@ -329,9 +331,10 @@ impl Model {
             }
             let own = name(JOINTS, index, constraint.name());
             let parts = sections.take_parts(&own);
-            let parts = match parts.is_empty() {
-                true => vec![sections.expect(&own)?],
-                false => parts,
+            let parts = if parts.is_empty() {
+                vec![sections.expect(&own)?]
+            } else {
+                parts
             };
             for bytes in parts {
                 joints.push((own.clone(), decode(bytes).map_err(of_part(&own))?));

@@ -60,9 +60,10 @@ fn a_mode_moves_as_the_dense_matrices_say() {
             .map(turned)
             .map(|added| AddedMass::new(added.node, 0.5 * (added.mass + added.mass.transpose())))
             .collect();
-        let fibres = match fibre > 0.0 {
-            true => columns_of(counts, |node| if node == 2 { 0.0 } else { fibre }),
-            false => Vec::new(),
+        let fibres = if fibre > 0.0 {
+            columns_of(counts, |node| if node == 2 { 0.0 } else { fibre })
+        } else {
+            Vec::new()
         };
         let held = [
             (vec![0, 1], turn * Vec3::new(1.0, 0.2, -0.4)),
@@ -336,9 +337,10 @@ fn joints_see_the_mass_matrix() {
             let spec = Model::builder(&mesh)
                 .elements("bar", links())
                 .added_masses(water.iter().copied());
-            match law {
-                true => spec.constraint(Box::new(joint(pair(), Frictionless))),
-                false => spec.constraint(Box::new(joint(pair(), Tied))),
+            if law {
+                spec.constraint(Box::new(joint(pair(), Frictionless)))
+            } else {
+                spec.constraint(Box::new(joint(pair(), Tied)))
             }
         };
         let still = vec![Vec3::zeros(); 4];

@@ -72,9 +72,10 @@ impl Observer for Sum {
         Ok(Flow::Continue)
     }
     fn save_state(&self) -> Result<Vec<u8>, StateError> {
-        match self.keeps {
-            true => Ok(self.sum.to_le_bytes().into()),
-            false => Ok(Vec::new()),
+        if self.keeps {
+            Ok(self.sum.to_le_bytes().into())
+        } else {
+            Ok(Vec::new())
         }
     }
     fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {

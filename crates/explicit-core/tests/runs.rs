@@ -76,9 +76,10 @@ impl Observer for Notes {
         if self.fail_at == Some(view.number()) {
             ParameterError::check("row", f64::NAN, 0.0, 1.0)?;
         }
-        Ok(match self.stop_at == Some(view.number()) {
-            true => Flow::Stop,
-            false => Flow::Continue,
+        Ok(if self.stop_at == Some(view.number()) {
+            Flow::Stop
+        } else {
+            Flow::Continue
         })
     }
     fn finish(&mut self) -> Result<(), ModelError> {

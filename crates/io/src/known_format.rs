@@ -20,9 +20,10 @@ pub fn known_format(bytes: &[u8]) -> Option<&'static str> {
         return Some("a NetCDF file, such as Exodus");
     }
     if starts(b"\x89HDF\r\n\x1a\n") {
-        return Some(match has("INFOS_GENERALES") || has("ENS_MAA") {
-            true => "a MED file (HDF5)",
-            false => "an HDF5 file, such as MED, Exodus or H5DRM",
+        return Some(if has("INFOS_GENERALES") || has("ENS_MAA") {
+            "a MED file (HDF5)"
+        } else {
+            "an HDF5 file, such as MED, Exodus or H5DRM"
         });
     }
     for (mark, name) in [

@@ -193,9 +193,10 @@ pub fn parse_sections(
             rest.place = "its end".into();
             rest.check(start)?;
             let whole = rest.bytes.is_empty() && count == sections.len() as u64;
-            return match whole {
-                true => Ok(sections),
-                false => Err(rest.damaged()),
+            return if whole {
+                Ok(sections)
+            } else {
+                Err(rest.damaged())
             };
         }
         let name = rest.name(length)?;
@@ -246,9 +247,10 @@ impl<'a> Rest<'a> {
     /// Accepts the checksum of what was read since `start`.
     fn check(&mut self, start: &[u8]) -> Result<(), SectionFault> {
         let sum = Checksum::of(&start[..start.len() - self.bytes.len()]);
-        match self.number::<8>()? == sum.value() {
-            true => Ok(()),
-            false => Err(self.damaged()),
+        if self.number::<8>()? == sum.value() {
+            Ok(())
+        } else {
+            Err(self.damaged())
         }
     }
     fn damaged(&self) -> SectionFault {

@@ -57,9 +57,10 @@ pub fn growth_of_flow<M: ConstitutiveLaw>(law: &M) -> Option<f64> {
         if middle <= low || middle >= high {
             break;
         }
-        match yields(middle) {
-            true => high = middle,
-            false => low = middle,
+        if yields(middle) {
+            high = middle
+        } else {
+            low = middle
         }
     }
     let tangent = law.tangent(&LawInput::new(strain(BEHIND * high), &history))?;

@@ -241,9 +241,10 @@ fn weights() -> Vec<f64> {
             0 => TAU / SAMPLES,
             _ => (TAU * place / SAMPLES).sin() / place,
         };
-        match index.abs() <= reach {
-            true => sine / PI * bessel(WINDOW * (1.0 - share * share).sqrt()),
-            false => 0.0,
+        if index.abs() <= reach {
+            sine / PI * bessel(WINDOW * (1.0 - share * share).sqrt())
+        } else {
+            0.0
         }
     };
     let sum: f64 = (-reach..=reach).map(weight).sum();

@@ -52,11 +52,10 @@ impl Observer for EnergyHistory {
     fn restore_state(&mut self, saved: &[u8]) -> Result<(), StateError> {
         self.recording.restore(saved, |found, here| {
             // There are no columns before the first observed step.
-            match here.columns.is_empty() {
-                true => Ok(()),
-                false => {
-                    StateError::expect_same("the list of columns", found.names(), here.names())
-                }
+            if here.columns.is_empty() {
+                Ok(())
+            } else {
+                StateError::expect_same("the list of columns", found.names(), here.names())
             }
         })
     }

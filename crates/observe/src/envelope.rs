@@ -193,9 +193,10 @@ fn update(
                 time,
             });
         }
-        match is_first {
-            true => field.set(index, magnitude, time),
-            false => field.raise(index, magnitude, time),
+        if is_first {
+            field.set(index, magnitude, time)
+        } else {
+            field.raise(index, magnitude, time)
         }
         greatest = greatest.max(magnitude);
     }

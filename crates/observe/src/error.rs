@@ -95,10 +95,7 @@ pub enum ObserveError {
     /// A section plane that intersects none of its elements, or none with its centroid in the box of the section.
     #[error(
     "the plane of section '{section}' intersects none of its elements{}",
-        match .outside {
-            true => " with centroids in its box, but some outside: enlarge the box (`half_extent` in a scene)",
-            false => "",
-        }
+        if *.outside { " with centroids in its box, but some outside: enlarge the box (`half_extent` in a scene)" } else { "" }
     )]
     EmptySection {
         /// Name of the section.

@@ -450,11 +450,11 @@ impl Observer for History {
                     at_point,
                 } => {
                     let (element, natural) = &self.elements[*element];
-                    let stress: Stress = match at_point {
-                        true => view
-                            .stress_at(*element, natural)
-                            .ok_or_else(|| ObserveError::NoStressAtPoint { name: name.clone() })?,
-                        false => view.stress(*element),
+                    let stress: Stress = if *at_point {
+                        view.stress_at(*element, natural)
+                            .ok_or_else(|| ObserveError::NoStressAtPoint { name: name.clone() })?
+                    } else {
+                        view.stress(*element)
                     };
                     self.row.extend_from_slice(&stress.0);
                     self.row.extend_from_slice(&principal_stresses(&stress));

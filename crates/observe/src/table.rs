@@ -94,9 +94,10 @@ impl Column {
     }
     /// Raises the peak to the value of a step at a time (s), of a mean that of the [instants](Self::instant_peak).
     pub(super) fn raise_in_step(&mut self, value: f64, time: f64) {
-        match self.is_mean {
-            true => raise(&mut self.instant, value, time),
-            false => self.raise(value, time),
+        if self.is_mean {
+            raise(&mut self.instant, value, time)
+        } else {
+            self.raise(value, time)
         }
     }
     /// Roughness of a motion around its greatest sample, from which it follows how many samples there are per period:
@@ -239,9 +240,10 @@ impl HistoryTable {
                 let share = (multiple - earlier) / (time - earlier);
                 for (index, (value, &later)) in values.iter_mut().zip(row).enumerate() {
                     let holds = self.columns.get(index).is_some_and(|column| column.holds);
-                    *value = match holds {
-                        true => later,
-                        false => *value + share * (later - *value),
+                    *value = if holds {
+                        later
+                    } else {
+                        *value + share * (later - *value)
                     };
                 }
                 (multiple, values)

@@ -160,9 +160,10 @@ struct Cuda {
 impl Cuda {
     /// Shift of numbers that makes their last bit a one, `1.5 / EPSILON`.
     fn shift(&self) -> String {
-        self.constant(match self.single {
-            true => 1.5 / f64::from(f32::EPSILON),
-            false => 1.5 / f64::EPSILON,
+        self.constant(if self.single {
+            1.5 / f64::from(f32::EPSILON)
+        } else {
+            1.5 / f64::EPSILON
         })
     }
 }
@@ -171,13 +172,15 @@ impl Language for Cuda {
     fn constant(&self, value: f64) -> String {
         let suffix = if self.single { "f" } else { "" };
         if value.is_finite() {
-            let digits = match self.single {
-                true => format!("{:?}", value as f32),
-                false => format!("{value:?}"),
+            let digits = if self.single {
+                format!("{:?}", value as f32)
+            } else {
+                format!("{value:?}")
             };
-            return match value.is_sign_negative() {
-                true => format!("({digits}{suffix})"),
-                false => format!("{digits}{suffix}"),
+            return if value.is_sign_negative() {
+                format!("({digits}{suffix})")
+            } else {
+                format!("{digits}{suffix}")
             };
         }
         let infinity = format!("infinity_of(0.0{suffix})");

@@ -37,9 +37,10 @@ impl<'a, S: Scalar + Lane<Scalar = S, Token = (), Mask = bool>> Replay<'a, S> {
     /// # Errors
     /// [`ProgramError::Format`] if the program's numbers have another format than `S`.
     pub fn new(program: &'a Program) -> Result<Self, ProgramError> {
-        let expected = match S::EPSILON > f64::EPSILON {
-            true => NumberFormat::F32,
-            false => NumberFormat::F64,
+        let expected = if S::EPSILON > f64::EPSILON {
+            NumberFormat::F32
+        } else {
+            NumberFormat::F64
         };
         if program.format() != expected {
             return Err(ProgramError::Format {
@@ -102,9 +103,10 @@ impl<'a, S: Scalar + Lane<Scalar = S, Token = (), Mask = bool>> Replay<'a, S> {
                     return Ok(());
                 }
                 BranchEnd::Fork { mask, yes, no } => {
-                    branch = match values.masks[*mask as usize] {
-                        true => yes,
-                        false => no,
+                    branch = if values.masks[*mask as usize] {
+                        yes
+                    } else {
+                        no
                     };
                 }
             }

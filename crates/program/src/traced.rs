@@ -199,9 +199,10 @@ impl<S: Scalar> Lane for Traced<S> {
             let state = |of: usize, end: bool| -> [Self; N] {
                 core::array::from_fn(|number| {
                     let (of, number) = (of as u32, number as u32);
-                    Self::new(match end {
-                        false => ProgramOperation::LoopState(of, number),
-                        true => ProgramOperation::LoopEnd(of, number),
+                    Self::new(if end {
+                        ProgramOperation::LoopEnd(of, number)
+                    } else {
+                        ProgramOperation::LoopState(of, number)
                     })
                 })
             };
@@ -270,9 +271,10 @@ pub fn record<S: Scalar>(
     }
     Program::new(ProgramParts {
         name: names.program,
-        format: match S::EPSILON > f64::EPSILON {
-            true => NumberFormat::F32,
-            false => NumberFormat::F64,
+        format: if S::EPSILON > f64::EPSILON {
+            NumberFormat::F32
+        } else {
+            NumberFormat::F64
         },
         inputs: names.inputs,
         outputs: names.outputs,

@@ -302,9 +302,10 @@ fn converted(
                 found,
                 unit,
             };
-            match found > declared {
-                true => return Err(at(mismatch)),
-                false => warnings.push(mismatch.to_string()),
+            if found > declared {
+                return Err(at(mismatch));
+            } else {
+                warnings.push(mismatch.to_string())
             }
         }
     }

@@ -187,9 +187,10 @@ impl<'t> Table<'t> {
     }
 
     fn value(&self, row: &Row<'t>, (column, cell): (usize, &str)) -> Result<f64, RecordError> {
-        match self.decimal_comma {
-            true => sample(&cell.replacen(',', ".", 1), row.line, column),
-            false => sample(cell, row.line, column),
+        if self.decimal_comma {
+            sample(&cell.replacen(',', ".", 1), row.line, column)
+        } else {
+            sample(cell, row.line, column)
         }
     }
 

@@ -45,9 +45,10 @@ pub(crate) fn channels(text: &str) -> Result<Vec<Channel>, RecordError> {
         }
         let title = lines[at];
         let (channel, end) = data_set(&lines, at)?;
-        match contains(title, "acceleration") {
-            true => channels.push(channel),
-            false => other = other.or(Some((at, title.split('(').next().unwrap_or_default()))),
+        if contains(title, "acceleration") {
+            channels.push(channel)
+        } else {
+            other = other.or(Some((at, title.split('(').next().unwrap_or_default())))
         }
         at = end;
     }

@@ -492,9 +492,10 @@ fn numbers_are_decimal_and_finite() {
         ("--1", true),
     ] {
         let (line, found) = fault(&format!("0.00 0.1\n0.02 {number}\n0.04 0.3\n"), &options);
-        let expected = match is_finite {
-            true => matches!(found, RecordFault::NotANumber { .. }),
-            false => matches!(found, RecordFault::NotFinite { .. }),
+        let expected = if is_finite {
+            matches!(found, RecordFault::NotANumber { .. })
+        } else {
+            matches!(found, RecordFault::NotFinite { .. })
         };
         assert!(line == 2 && expected, "{number}: {line} {found:?}");
     }

@@ -191,9 +191,10 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
         let histories = folder.join("histories.csv");
         Ok(ReportCase {
             outcome: CaseOutcome::read(&folder.join(OUTCOME))?,
-            histories: match histories.exists() {
-                true => read_table(&histories).map_err(powerhouse::Error::from)?,
-                false => Vec::new(),
+            histories: if histories.exists() {
+                read_table(&histories).map_err(powerhouse::Error::from)?
+            } else {
+                Vec::new()
             },
             accelerations: Accelerations::of_folder(&folder)?,
             summary: Some(FoundSummary::of_results(&folder)?),
@@ -206,9 +207,10 @@ fn read_cases(folder: &Path) -> Result<Option<Vec<ReportCase>>, StudyError> {
 
 /// The contents of a JSON file; null if there is none.
 fn json_or_null(file: &Path) -> Result<serde_json::Value, StudyError> {
-    match file.exists() {
-        true => read_json(file),
-        false => Ok(serde_json::Value::Null),
+    if file.exists() {
+        read_json(file)
+    } else {
+        Ok(serde_json::Value::Null)
     }
 }
 

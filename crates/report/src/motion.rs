@@ -106,9 +106,10 @@ impl RecordedMotions {
         for table in TABLES {
             tables.extend(Self::of_table(&folder, table)?);
         }
-        match tables.is_empty() {
-            false => Ok(tables),
-            true => Err(StudyError::NoHistoryTable { folder }),
+        if tables.is_empty() {
+            Err(StudyError::NoHistoryTable { folder })
+        } else {
+            Ok(tables)
         }
     }
     /// The table that has all named columns or histories, of tables of one folder.
@@ -165,9 +166,10 @@ impl RecordedMotions {
         Ok(Some(Self {
             folder: folder.into(),
             about,
-            accelerations: match name == TABLES[0].0 {
-                true => Accelerations::of_folder(folder)?,
-                false => Accelerations::default(),
+            accelerations: if name == TABLES[0].0 {
+                Accelerations::of_folder(folder)?
+            } else {
+                Accelerations::default()
             },
             table,
         }))
@@ -198,16 +200,17 @@ impl RecordedMotions {
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
         let found: Vec<&TableColumn> = self.columns().iter().filter(is_of).collect();
-        match found.is_empty() {
-            false => Ok(found),
-            true => Err(StudyError::NoSuchColumn {
+        if found.is_empty() {
+            Err(StudyError::NoSuchColumn {
                 name: name.into(),
                 available: self
                     .columns()
                     .iter()
                     .map(|column| column.name.clone())
                     .collect(),
-            }),
+            })
+        } else {
+            Ok(found)
         }
     }
     /// The columns of some names, each once; of a history that is named as a whole the accelerations alone if they are
@@ -241,9 +244,10 @@ impl RecordedMotions {
     /// Accelerations that have all of some columns: the band-limited ones, or the samples of the table.
     fn source(&self, columns: &[&TableColumn]) -> Cow<'_, Accelerations> {
         let has = |column: &&TableColumn| self.accelerations.column(&column.name).is_some();
-        match columns.iter().all(has) {
-            true => Cow::Borrowed(&self.accelerations),
-            false => Cow::Owned(Accelerations::of_samples(self.table.clone())),
+        if columns.iter().all(has) {
+            Cow::Borrowed(&self.accelerations)
+        } else {
+            Cow::Owned(Accelerations::of_samples(self.table.clone()))
         }
     }
     fn acceleration_of(
@@ -284,9 +288,10 @@ impl RecordedMotions {
                 Measure::Time | Measure::Husid => husid(&column.name, &motion, recorded.start()),
             };
             let others = of_motion.into_iter();
-            match table.is_empty() {
-                true => table = others.collect(),
-                false => table.extend(others.skip(1)),
+            if table.is_empty() {
+                table = others.collect()
+            } else {
+                table.extend(others.skip(1))
             }
         }
         Ok(table)

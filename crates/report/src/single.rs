@@ -70,9 +70,10 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
     }
     let peaks = summary.iter().flat_map(|summary| &summary.peaks);
     let rows = peaks.map(|peak| {
-        let (value, time) = match peak.below_rounding {
-            true => ("0, below rounding".into(), String::new()),
-            false => (rounded(peak.value), rounded(peak.time)),
+        let (value, time) = if peak.below_rounding {
+            ("0, below rounding".into(), String::new())
+        } else {
+            (rounded(peak.value), rounded(peak.time))
         };
         vec![peak.name.clone(), value, peak.unit.clone(), time]
     });
@@ -118,11 +119,12 @@ pub(super) fn page(folder: &Path) -> Result<Page, StudyError> {
                 .to_string_lossy()
                 .into_owned();
             // An animation may be larger than all the rest of the page.
-            match file.metadata().is_ok_and(|file| file.len() > LARGEST) {
-                true => page.paragraph(&format!(
+            if file.metadata().is_ok_and(|file| file.len() > LARGEST) {
+                page.paragraph(&format!(
                     "`{below}/{name}.{end}` is too large for this page."
-                )),
-                false => page.figure(&file, &name)?,
+                ))
+            } else {
+                page.figure(&file, &name)?
             }
         }
     }

@@ -39,9 +39,10 @@ fn computed(software: &str, meshes: &[[usize; 2]]) -> String {
             (least, _) => least.map_or(String::new(), |least| least.to_string()),
         }
     });
-    let mesh = match elements.contains(' ') {
-        true => format!("meshes of {elements} elements and {nodes} nodes"),
-        false => format!("a mesh of {elements} elements and {nodes} nodes"),
+    let mesh = if elements.contains(' ') {
+        format!("meshes of {elements} elements and {nodes} nodes")
+    } else {
+        format!("a mesh of {elements} elements and {nodes} nodes")
     };
     format!("Computed by {software} on {mesh}.")
 }

@@ -166,9 +166,10 @@ impl Shown<'_> {
             PictureField::Elemental(values) => (scaled(values), false),
             PictureField::Sets | PictureField::Facets(_) => (Vec::new(), false),
         };
-        let field = match is_nodal {
-            true => PictureField::Nodal(&values),
-            false => PictureField::Elemental(&values),
+        let field = if is_nodal {
+            PictureField::Nodal(&values)
+        } else {
+            PictureField::Elemental(&values)
         };
         let (low, high) = self.mesh.bounding_box();
         let [low, high] =
@@ -223,9 +224,10 @@ impl Shown<'_> {
                 .map(|&index| values[index as usize])
                 .collect()
         };
-        match is_nodal {
-            true => of(&self.mesh.nodes_of_elements(&elements)),
-            false => of(&elements),
+        if is_nodal {
+            of(&self.mesh.nodes_of_elements(&elements))
+        } else {
+            of(&elements)
         }
     }
 }
@@ -260,9 +262,10 @@ pub(crate) fn joint_picture(
         field,
     }: &JointPicture,
 ) -> Result<(), IoError> {
-    let label = match kinds.is_empty() {
-        true => format!("{name} ({unit})"),
-        false => (*name).to_owned(),
+    let label = if kinds.is_empty() {
+        format!("{name} ({unit})")
+    } else {
+        (*name).to_owned()
     };
     let mut picture = Picture::new(mesh, PictureField::Facets(field), label);
     picture.title = format!("joint {joint}");

@@ -54,9 +54,10 @@ impl JointField {
         Self {
             name: name.into(),
             unit: unit_of(name),
-            numbers: match is_kind {
-                true => VtuNumbers::Whole,
-                false => VtuNumbers::Real,
+            numbers: if is_kind {
+                VtuNumbers::Whole
+            } else {
+                VtuNumbers::Real
             },
             values,
         }

@@ -128,12 +128,11 @@ impl FolderLock {
     /// # Errors
     /// [`FolderError::Gone`] if the folder or its lock was removed during the run.
     pub fn release(self) -> Result<(), Error> {
-        match self.is_held() {
-            true => Ok(()),
-            false => {
-                let folder = self.folder.clone();
-                Err(FolderError::Gone { folder }.into())
-            }
+        if self.is_held() {
+            Ok(())
+        } else {
+            let folder = self.folder.clone();
+            Err(FolderError::Gone { folder }.into())
         }
     }
 }

@@ -34,9 +34,10 @@ pub(crate) fn register(registry: &mut Registry) {
             mode_exponent: keys.mode_exponent.map_or(MODE_EXPONENT, Positive::get),
             static_friction: keys.static_friction.get(),
             dynamic_friction: keys.dynamic_friction.unwrap_or(keys.static_friction).get(),
-            reduction: match keys.reduce {
-                true => StrengthReduction::ByMedia,
-                false => StrengthReduction::None,
+            reduction: if keys.reduce {
+                StrengthReduction::ByMedia
+            } else {
+                StrengthReduction::None
             },
         })?))
     });

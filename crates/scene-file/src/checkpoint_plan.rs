@@ -60,9 +60,10 @@ impl FromStr for CheckpointInterval {
         };
         let number: f64 = text[..start].trim().parse().map_err(|_| IntervalError)?;
         let seconds = Duration::try_from_secs_f64(number * unit).map_err(|_| IntervalError)?;
-        match seconds.is_zero() {
-            true => Err(IntervalError),
-            false => Ok(Self::Every(seconds)),
+        if seconds.is_zero() {
+            Err(IntervalError)
+        } else {
+            Ok(Self::Every(seconds))
         }
     }
 }

@@ -89,9 +89,10 @@ impl Scene {
                     set: part.set.clone(),
                     kind: kind.name(),
                 })?;
-                let (at_rim, inner): (Vec<u32>, Vec<u32>) = match rim.is_empty() {
-                    true => (Vec::new(), elements),
-                    false => (elements.iter()).partition(|element| rim.contains(element)),
+                let (at_rim, inner): (Vec<u32>, Vec<u32>) = if rim.is_empty() {
+                    (Vec::new(), elements)
+                } else {
+                    (elements.iter()).partition(|element| rim.contains(element))
                 };
                 divided.push((kernel, inner, at_rim));
             }
@@ -147,9 +148,10 @@ impl Scene {
             set: part.set.clone(),
             ratio: part.high,
             highest: highest / TAU,
-            coefficient: match highest > 0.0 {
-                true => 2.0 * part.high / highest,
-                false => 0.0,
+            coefficient: if highest > 0.0 {
+                2.0 * part.high / highest
+            } else {
+                0.0
             },
         })
     }

@@ -58,12 +58,11 @@ impl CheckHeights {
     pub fn sample<T>(&self, mut items: Vec<T>, most: usize, height: impl Fn(&T) -> f64) -> Vec<T> {
         if let Some(kept) = &self.kept {
             let is_kept = |item: &T| kept.contains(&self.key(height(item)));
-            match items.iter().any(is_kept) {
-                true => items.retain(is_kept),
-                false => {
-                    let stride = items.len().saturating_sub(1).max(1);
-                    items = items.into_iter().step_by(stride).collect();
-                }
+            if items.iter().any(is_kept) {
+                items.retain(is_kept)
+            } else {
+                let stride = items.len().saturating_sub(1).max(1);
+                items = items.into_iter().step_by(stride).collect();
             }
         }
         let stride = items.len().div_ceil(most).max(1);

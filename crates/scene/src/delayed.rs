@@ -193,9 +193,10 @@ fn fastest(kind: WaveKind) -> WaveKind {
 
 /// The part of a slowness (s/m) along y, zero if there is none to rounding.
 fn along_y(slowness: Vec3) -> f64 {
-    match slowness.y.abs() > ACROSS * slowness.norm() {
-        true => slowness.y,
-        false => 0.0,
+    if slowness.y.abs() > ACROSS * slowness.norm() {
+        slowness.y
+    } else {
+        0.0
     }
 }
 

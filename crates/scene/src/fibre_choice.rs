@@ -165,13 +165,14 @@ impl FibreChoice {
     pub(crate) fn check(&self, options: &FibreOptions) -> Result<(), Error> {
         let of_input = self.shift.and_then(|shift| shift.of_input);
         let shift = of_input.map_or(0.0, |input| input.shift);
-        match shift <= options.most_shift {
-            true => Ok(()),
-            false => Err(Error::FibreShift {
+        if shift <= options.most_shift {
+            Ok(())
+        } else {
+            Err(Error::FibreShift {
                 factor: self.factor,
                 shift,
                 limit: options.most_shift,
-            }),
+            })
         }
     }
 }

@@ -128,11 +128,10 @@ impl Scene {
         let times = (0..self.mesh.element_count()).filter_map(|element| {
             let speed = speed(element)?;
             let means = mean_lengths(&self.mesh, element as u32);
-            let [shortest, longest] = match means.is_empty() {
-                true => [shortest_distance(&self.mesh, element as u32); 2],
-                false => {
-                    [f64::min, f64::max].map(|of| means.iter().copied().reduce(of).unwrap_or(0.0))
-                }
+            let [shortest, longest] = if means.is_empty() {
+                [shortest_distance(&self.mesh, element as u32); 2]
+            } else {
+                [f64::min, f64::max].map(|of| means.iter().copied().reduce(of).unwrap_or(0.0))
             };
             Some((shortest / speed, shortest < SHORT * longest))
         });
@@ -202,9 +201,10 @@ impl Scene {
             }
         }
         let is_priced = self.prices_fibres || self.fibres.is_some();
-        let (mode, input) = match is_priced {
-            true => (self.clamped_mode(pieces, present)?, self.input_spectrum()?),
-            false => (None, None),
+        let (mode, input) = if is_priced {
+            (self.clamped_mode(pieces, present)?, self.input_spectrum()?)
+        } else {
+            (None, None)
         };
         Ok(FibreSite {
             mode,

@@ -89,9 +89,10 @@ impl Scene {
         }
         let share = found.difference.0 / found.fastest;
         let strain = found.strain.0 * medium.s_speed() / found.fastest;
-        let worst = match share > strain {
-            true => found.difference.1,
-            false => found.strain.1,
+        let worst = if share > strain {
+            found.difference.1
+        } else {
+            found.strain.1
         };
         let pair = held.pairs.get(worst);
         if let Some(&[from, to]) = pair.filter(|_| is_notable(share) || is_notable(strain)) {
@@ -286,9 +287,10 @@ fn keep(worst: &mut (f64, usize), value: f64, index: usize) {
 fn free_directions(held: &[Vec3]) -> Mat3 {
     held.iter().fold(Mat3::identity(), |free, along| {
         let rest = free * along;
-        match rest.norm() > ACROSS {
-            true => free - rest.normalize() * rest.normalize().transpose(),
-            false => free,
+        if rest.norm() > ACROSS {
+            free - rest.normalize() * rest.normalize().transpose()
+        } else {
+            free
         }
     })
 }

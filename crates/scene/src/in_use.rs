@@ -17,10 +17,11 @@ pub(crate) fn check_in_use(in_use: Option<&InUse>, engine: &dyn Engine) -> Resul
     let own = check();
     let is_same = engine.is_on_all(own.is_ok())?;
     own?;
-    match is_same {
-        true => Ok(()),
-        false => Err(Error::MeshInUse(
+    if is_same {
+        Ok(())
+    } else {
+        Err(Error::MeshInUse(
             "the packed mesh was changed, as another rank found".into(),
-        )),
+        ))
     }
 }

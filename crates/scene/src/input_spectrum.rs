@@ -45,9 +45,12 @@ impl InputSpectrum {
     /// Root of the mean of the square of a function of frequency (Hz), weighted by the energy of acceleration and by that of
     /// velocity, over the frequencies below which it has almost all of the first.
     pub(crate) fn root_mean_squares(&self, of: impl Fn(f64) -> f64) -> [f64; 2] {
-        let of_velocity = |frequency: f64| match frequency > 0.0 {
-            true => frequency.powi(-2),
-            false => 0.0,
+        let of_velocity = |frequency: f64| {
+            if frequency > 0.0 {
+                frequency.powi(-2)
+            } else {
+                0.0
+            }
         };
         [
             self.root_mean_square(&of, |_| 1.0),

@@ -43,9 +43,10 @@ impl Scene {
             }
         }
         let is_top = high.z - level <= SIDE_TOLERANCE * (high - low).norm();
-        Ok(match is_top || level == f64::NEG_INFINITY {
-            true => high.z,
-            false => level,
+        Ok(if is_top || level == f64::NEG_INFINITY {
+            high.z
+        } else {
+            level
         })
     }
 

@@ -44,9 +44,10 @@ impl FieldInGround<'_> {
     fn of_ground(&self, point: &Vec3, medium: &ElasticMedium) -> ElasticMedium {
         let near = Vec3::z() * (NEAR_INTERFACE * point.z.abs().max(1.0));
         let sides = [point + near, point - near].map(|point| self.0.medium_at(&point));
-        match sides.iter().any(|side| is_like(medium, side)) {
-            true => *medium,
-            false => sides[1],
+        if sides.iter().any(|side| is_like(medium, side)) {
+            *medium
+        } else {
+            sides[1]
         }
     }
 }
@@ -107,9 +108,10 @@ impl Scene {
                 Some(_) => {}
             }
         }
-        match !at_faces.is_empty() && at_faces.iter().all(|&part| self.runs_through(part)) {
-            true => Err(ThroughError::NoGround.into()),
-            false => Ok(()),
+        if !at_faces.is_empty() && at_faces.iter().all(|&part| self.runs_through(part)) {
+            Err(ThroughError::NoGround.into())
+        } else {
+            Ok(())
         }
     }
 

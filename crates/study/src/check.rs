@@ -344,9 +344,10 @@ fn check_within(
     let has_stress = scene.in_situ_stress().is_some();
     let options = scene.fibres().cloned();
     let may_help = options.is_some() || scene.has_thin_limits();
-    let scene = match may_help {
-        true => scene.map(|scene| scene.with_price_of_fibres()),
-        false => scene,
+    let scene = if may_help {
+        scene.map(|scene| scene.with_price_of_fibres())
+    } else {
+        scene
     };
     let mut simulation = scene.prepare()?;
     // Some remarks are made only when the step is known.
@@ -357,9 +358,10 @@ fn check_within(
     let stable = simulation.stable_step()?;
     let step = simulation.step()?;
     let steps = (simulation.duration() / step).ceil() as u64 + 1;
-    let fibres = match may_help {
-        true => prices_of_fibres(&mut simulation, options),
-        false => Vec::new(),
+    let fibres = if may_help {
+        prices_of_fibres(&mut simulation, options)
+    } else {
+        Vec::new()
     };
     let self_check = match free_field {
         Some(check) => Some(check.wall_time(step)?),
@@ -508,9 +510,10 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
     for part in scene.parts() {
         let medium = part.material.medium();
         let is_damped = part.high > 0.0 || part.damping.rayleigh().stiffness > 0.0;
-        let growth = match is_damped {
-            true => None,
-            false => part.material.growth_of_flow(),
+        let growth = if is_damped {
+            None
+        } else {
+            part.material.growth_of_flow()
         };
         if let Some(growth) = growth.filter(|growth| *growth > GROWS * medium.s_speed()) {
             warnings.push(Warning::IllPosed {

@@ -144,9 +144,10 @@ impl RunCheckpoints {
     ) -> Self {
         let interval = interval.or(scene.checkpoints().every);
         let interval = interval.unwrap_or(CheckpointInterval::DEFAULT).duration();
-        let after = match keeps {
-            true => start.run().map(|run| run.time),
-            false => Some(f64::INFINITY),
+        let after = if keeps {
+            start.run().map(|run| run.time)
+        } else {
+            Some(f64::INFINITY)
         };
         Self {
             writer: CheckpointWriter::new(

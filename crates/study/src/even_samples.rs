@@ -98,13 +98,14 @@ impl Accelerations {
     pub fn note(&self) -> String {
         let (highest, shortest) = (self.highest_frequency(), self.shortest_period());
         let (highest, lowest) = (rounded(highest), rounded(1.0 / shortest));
-        let mut note = match self.is_band_limited {
-            true => format!(
+        let mut note = if self.is_band_limited {
+            format!(
                 "from accelerations up to {highest} Hz (band-limited, all steps): response spectra hold up to {lowest} Hz, as far as mesh and damping do"
-            ),
-            false => format!(
+            )
+        } else {
+            format!(
                 "from samples of the histories: response spectra hold up to {lowest} Hz if there is little motion above {highest} Hz, which is aliased; `band` of [output] takes it away"
-            ),
+            )
         };
         let mut sign = "; ";
         for (set, mesh, damped) in &self.parts {
@@ -121,9 +122,10 @@ impl Accelerations {
         let times = &self.table.first()?.values;
         let samples = samples.min(times.len()).min(column.values.len());
         let history = even_samples(&times[..samples], &column.values[..samples])?;
-        match self.is_band_limited {
-            true => history.refined(REFINED).ok(),
-            false => Some(history),
+        if self.is_band_limited {
+            history.refined(REFINED).ok()
+        } else {
+            Some(history)
         }
     }
 }

@@ -284,25 +284,28 @@ fn mills_ratio(x: f64) -> f64 {
 
 /// Probability that a standard normal variable is above `x`.
 fn upper_tail(x: f64) -> f64 {
-    match x >= 0.0 {
-        true => density(x) * mills_ratio(x),
-        false => 1.0 - upper_tail(-x),
+    if x >= 0.0 {
+        density(x) * mills_ratio(x)
+    } else {
+        1.0 - upper_tail(-x)
     }
 }
 
 /// Its logarithm.
 fn log_upper_tail(x: f64) -> f64 {
-    match x >= 0.0 {
-        true => -0.5 * x * x - 0.5 * (2.0 * std::f64::consts::PI).ln() + mills_ratio(x).ln(),
-        false => (-upper_tail(-x)).ln_1p(),
+    if x >= 0.0 {
+        -0.5 * x * x - 0.5 * (2.0 * std::f64::consts::PI).ln() + mills_ratio(x).ln()
+    } else {
+        (-upper_tail(-x)).ln_1p()
     }
 }
 
 /// Density over the probability above.
 fn hazard(x: f64) -> f64 {
-    match x >= 0.0 {
-        true => mills_ratio(x).recip(),
-        false => density(x) / upper_tail(x),
+    if x >= 0.0 {
+        mills_ratio(x).recip()
+    } else {
+        density(x) / upper_tail(x)
     }
 }
 

@@ -380,12 +380,13 @@ fn ground_box(scene: &Scene, strata: &[Stratum]) -> Result<([usize; 3], Mesh), S
     let heights = strata
         .iter()
         .map(|stratum| stratum.heights[1] - stratum.heights[0]);
-    let of_layers = heights
-        .zip(&longest)
-        .map(|(height, edge)| match *edge > 0.0 {
-            true => count(height, *edge),
-            false => count(height, shortest),
-        });
+    let of_layers = heights.zip(&longest).map(|(height, edge)| {
+        if *edge > 0.0 {
+            count(height, *edge)
+        } else {
+            count(height, shortest)
+        }
+    });
     let of_layers: Vec<usize> = of_layers.collect();
     let cells = [
         count(extent.x, shortest),
@@ -473,9 +474,10 @@ fn ground(scene: &Scene, strata: &[Stratum]) -> Result<(Vec<Part>, Option<Vec<Pa
         };
         is_any_damped = true;
         let with_damping = part.clone().with_damping(of.damping.clone());
-        parts.push(match is_field_damped {
-            true => with_damping.clone(),
-            false => part,
+        parts.push(if is_field_damped {
+            with_damping.clone()
+        } else {
+            part
         });
         damped.push(match of.rim {
             Some(width) => with_damping.with_rim(width),

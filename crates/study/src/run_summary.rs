@@ -34,9 +34,10 @@ impl FoundSummary {
         let is_whole = ["nodes", "steps", "peaks"]
             .iter()
             .any(|key| found.get(key).is_some());
-        let read = match is_whole {
-            true => serde_json::from_value(found).map(|whole| Self::Whole(Box::new(whole))),
-            false => serde_json::from_value(found).map(Self::Begun),
+        let read = if is_whole {
+            serde_json::from_value(found).map(|whole| Self::Whole(Box::new(whole)))
+        } else {
+            serde_json::from_value(found).map(Self::Begun)
         };
         let read = read.map_err(|source| StudyError::Outcome { file, source });
         read.map(Some)

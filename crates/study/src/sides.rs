@@ -66,9 +66,10 @@ pub(crate) fn transfer_supports(
             let tolerance = TOLERANCE * (high - low).norm();
             let pairs = PeriodicPairs::by_translation(ground, &there, &opposite, tolerance);
             let pairs = pairs.map_err(|error| Error::from(ModelError::from(error)))?;
-            match delayed {
-                true => held.delayed = Some(pairs),
-                false => held.periodic.push(pairs),
+            if delayed {
+                held.delayed = Some(pairs)
+            } else {
+                held.periodic.push(pairs)
             }
         }
         if supports.is_empty() && !pairs {

@@ -104,9 +104,10 @@ fn cube(known: bool) -> Scene {
         .part(Part::new("rock", Material::from(LinearElastic::new(ROCK))))
         .with_boundary(Boundary::new(ViscousSpring::default(), faces))
         .with_duration(0.4);
-    match known {
-        true => scene.with_plane_waves(vec![wave]).unwrap(),
-        false => scene.with_field(wave),
+    if known {
+        scene.with_plane_waves(vec![wave]).unwrap()
+    } else {
+        scene.with_field(wave)
     }
 }
 

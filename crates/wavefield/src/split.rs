@@ -161,9 +161,10 @@ impl SplitParameters {
                 band: self.band,
             });
         }
-        match place.ground.layers().is_empty() && place.depth == 0.0 {
-            true => self.at_free_half_space(&place, &turned, report),
-            false => by_frequency(&place, &response, floor, &turned, report),
+        if place.ground.layers().is_empty() && place.depth == 0.0 {
+            self.at_free_half_space(&place, &turned, report)
+        } else {
+            by_frequency(&place, &response, floor, &turned, report)
         }
     }
 
@@ -425,9 +426,10 @@ fn inverse(matrix: &[[Complex; 2]; 2], floor: f64) -> [[Complex; 2]; 2] {
     let of = |square: f64| 1.0 / (square + floor).max(least);
     let (of_greater, of_lesser) = (of(greater), of(lesser));
     // f(A) = f1 I + slope (A - s1 I), A = M^H M.
-    let slope = match greater - lesser > 1e-12 * greater {
-        true => (of_greater - of_lesser) / (greater - lesser),
-        false => 0.0,
+    let slope = if greater - lesser > 1e-12 * greater {
+        (of_greater - of_lesser) / (greater - lesser)
+    } else {
+        0.0
     };
     let constant = of_greater - slope * greater;
     let square = [
@@ -461,9 +463,10 @@ fn moving_samples(samples: &[Vec<f64>; 3]) -> [usize; 2] {
             range = [range[0].min(first), range[1].max(end)];
         }
     }
-    match range[0] < range[1] {
-        true => range,
-        false => [0, last.min(1)],
+    if range[0] < range[1] {
+        range
+    } else {
+        [0, last.min(1)]
     }
 }
 

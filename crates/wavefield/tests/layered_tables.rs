@@ -22,12 +22,15 @@ fn soft() -> ElasticMedium {
 /// Two layers over rock; the file's header has the same numbers.
 fn two(damped: bool) -> Ground {
     let stiffer = medium(2000.0, 400.0, 1000.0);
-    let damping = |quality: f64| match damped {
-        true => LayerDamping::ConstantQuality {
-            quality,
-            reference: 3.0,
-        },
-        false => LayerDamping::None,
+    let damping = |quality: f64| {
+        if damped {
+            LayerDamping::ConstantQuality {
+                quality,
+                reference: 3.0,
+            }
+        } else {
+            LayerDamping::None
+        }
     };
     let layers = vec![
         GroundLayer::new(-20.0, soft()).with_damping(damping(25.0)),

@@ -18,12 +18,13 @@ fn medium(density: f64, cs: f64, cp: f64) -> ElasticMedium {
 
 /// Clay and gravel over rock, the surface at 7 m.
 fn two(damped: bool) -> Ground {
-    let damping = match damped {
-        true => LayerDamping::ConstantQuality {
+    let damping = if damped {
+        LayerDamping::ConstantQuality {
             quality: 25.0,
             reference: 3.0,
-        },
-        false => LayerDamping::None,
+        }
+    } else {
+        LayerDamping::None
     };
     let clay = GroundLayer::new(-13.0, medium(1800.0, 200.0, 500.0));
     let gravel = GroundLayer::new(-33.0, medium(2000.0, 400.0, 1000.0));

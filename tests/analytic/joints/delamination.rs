@@ -65,9 +65,10 @@ impl Observer for Shear {
 fn pulled(time: f64) -> f64 {
     const RISE: f64 = 0.2;
     let rate = DEFLECTION / (DURATION - 0.5 * RISE);
-    match time < RISE {
-        true => 0.5 * rate * time * time / RISE,
-        false => rate * (time - 0.5 * RISE),
+    if time < RISE {
+        0.5 * rate * time * time / RISE
+    } else {
+        rate * (time - 0.5 * RISE)
     }
 }
 

@@ -131,9 +131,10 @@ fn tractions_of_geostatic_stress() {
                 Cut::Plane { dip } => dip > 45.0,
                 other => other == Cut::Octagon,
             };
-            let limits = match is_distorted {
-                true => [0.02, 0.6 * errors[0]],
-                false => [1.0e-9; 2],
+            let limits = if is_distorted {
+                [0.02, 0.6 * errors[0]]
+            } else {
+                [1.0e-9; 2]
             };
             let holds = errors
                 .iter()

@@ -93,16 +93,22 @@ fn without_wall_times(name: &str, bytes: Vec<u8>) -> Vec<u8> {
             .collect::<String>()
             .into()
     };
-    let without = |line: &str, words: &[&str]| match words.iter().any(|word| line.contains(word)) {
-        true => String::new(),
-        false => line.to_owned(),
+    let without = |line: &str, words: &[&str]| {
+        if words.iter().any(|word| line.contains(word)) {
+            String::new()
+        } else {
+            line.to_owned()
+        }
     };
     match name {
         "summary.json" | "outcome.json" => lines(&bytes, &|line| without(line, &["wall"])),
         // The checksum of the summary, and sizes of files, which have lines of their own.
-        "finished.json" => lines(&bytes, &|line| match line.contains('"') {
-            true => without(line, &["\"summary\""]),
-            false => String::new(),
+        "finished.json" => lines(&bytes, &|line| {
+            if line.contains('"') {
+                without(line, &["\"summary\""])
+            } else {
+                String::new()
+            }
         }),
         // The wall time is the fourth column.
         "sweep.csv" => lines(&bytes, &|line| {

@@ -293,9 +293,10 @@ impl Cohesive {
         let mut friction = [0.0; 2];
         if closed {
             let stick = [0, 1].map(|c| (free.tangential[c] - now.tangential[c]) / compliance);
-            let still = match intact {
-                true => StillBond::default(),
-                false => self.still(strengths, stiffness, &now, &before),
+            let still = if intact {
+                StillBond::default()
+            } else {
+                self.still(strengths, stiffness, &now, &before)
             };
             let beside = [0, 1].map(|c| stick[c] - still.traction[c]);
             let (size, most) = (beside[0].hypot(beside[1]), -law.dynamic_friction * trial.x);
@@ -363,9 +364,10 @@ impl Cohesive {
         } else {
             // In scaled space, where the bond is the same in all directions: tractions along the end of the step if the bond did not
             // soften, as where it unloads, so that small changes of the trial cause small changes of the traction.
-            let along = match intact {
-                true => free.map(|opening| opening, |_, sliding| sliding / ratio),
-                false => secant_end.map(|opening| opening, |_, sliding| ratio * sliding),
+            let along = if intact {
+                free.map(|opening| opening, |_, sliding| sliding / ratio)
+            } else {
+                secant_end.map(|opening| opening, |_, sliding| ratio * sliding)
             };
             let length = along.normal.hypot(along.shear());
             let along = along.map(|part| part / length, |_, part| part / length);
@@ -462,9 +464,10 @@ impl BondChange {
     }
 
     fn bond(&self) -> Bond {
-        match self.damage < 1.0 {
-            true => Bond::Softening,
-            false => Bond::Broken,
+        if self.damage < 1.0 {
+            Bond::Softening
+        } else {
+            Bond::Broken
         }
     }
 

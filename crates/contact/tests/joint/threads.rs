@@ -17,9 +17,12 @@ const SHARED: usize = 60;
 /// Nodes of each pair: two of its own, but for those that share one.
 fn nodes_of_pairs() -> Vec<[u32; 2]> {
     let shares = |pair: usize| pair % SHARED == SHARED - 1;
-    let pairs = (0..PAIRS as u32).map(|pair| match shares(pair as usize) {
-        true => [2 * pair - 1, 2 * pair + 1],
-        false => [2 * pair, 2 * pair + 1],
+    let pairs = (0..PAIRS as u32).map(|pair| {
+        if shares(pair as usize) {
+            [2 * pair - 1, 2 * pair + 1]
+        } else {
+            [2 * pair, 2 * pair + 1]
+        }
     });
     pairs.collect()
 }

@@ -359,9 +359,12 @@ fn elements_with_histories_have_the_bits_of_the_host() {
 #[test]
 fn thin_elements_have_a_kernel_of_their_own() {
     let Some(engine) = on_device() else { return };
-    let thin = |x: &Vec3| match x.x > 5.5 {
-        true => Vec3::new(6.0 + 0.05 * (x.x - 6.0), x.y, x.z),
-        false => *x,
+    let thin = |x: &Vec3| {
+        if x.x > 5.5 {
+            Vec3::new(6.0 + 0.05 * (x.x - 6.0), x.y, x.z)
+        } else {
+            *x
+        }
     };
     let mesh = mesh(ElementKind::Hex8).map_positions(|x| thin(&x)).unwrap();
     let case = |precision| Case::new(SolidKernel::Hex8Natural, soft_rock(), precision).force(1e6);
@@ -451,9 +454,10 @@ fn checkpoints_of_the_device_and_of_the_host_are_one() {
     let case = Case::new(SolidKernel::Hex8Natural, soft_rock(), Precision::F64).force(2e6);
     let mesh = mesh(ElementKind::Hex8);
     let build = |on_device: bool| {
-        let built = match on_device {
-            true => case.build(&engine, &mesh),
-            false => case.build(&Explicit, &mesh),
+        let built = if on_device {
+            case.build(&engine, &mesh)
+        } else {
+            case.build(&Explicit, &mesh)
         };
         built.unwrap()
     };
@@ -560,9 +564,12 @@ fn what_a_device_cannot_compute_is_refused_by_name() {
                 Ok(self.0.to_le_bytes().into())
             }
         }
-        let with_load = |spec: ModelSpec<'static>| match load {
-            true => spec.load(Box::new(Counting(0))),
-            false => spec,
+        let with_load = |spec: ModelSpec<'static>| {
+            if load {
+                spec.load(Box::new(Counting(0)))
+            } else {
+                spec
+            }
         };
         let mesh: &'static Mesh = Box::leak(Box::new(mesh.clone()));
         let damped = linear().damped(0.0, 2e-4);

@@ -274,9 +274,10 @@ impl StepSums {
         of_bending: bool,
         batch: &Batch<S, N>,
     ) {
-        let sum = match of_bending {
-            true => &mut self.bending_damage,
-            false => &mut self.hourglass_loss,
+        let sum = if of_bending {
+            &mut self.bending_damage
+        } else {
+            &mut self.hourglass_loss
         };
         each_lane(lost, batch, |_, lost| *sum += lost);
     }

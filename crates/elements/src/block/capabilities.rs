@@ -58,9 +58,10 @@ where
         let mut energy = self.account.spent();
         for summary in self.survey(&self.since_reference(context.displacement)) {
             energy.elastic += summary.elastic;
-            match self.kernel.hourglass_is_bending() {
-                true => energy.bending += summary.hourglass,
-                false => energy.hourglass += summary.hourglass,
+            if self.kernel.hourglass_is_bending() {
+                energy.bending += summary.hourglass
+            } else {
+                energy.hourglass += summary.hourglass
             }
         }
         energy

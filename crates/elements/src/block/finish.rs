@@ -58,12 +58,11 @@ where
         let batch = (self.batches).batch(index, L::WIDTH, self.kernel.geometry_len());
         let geometry = Geometry::new(token, as_lanes::<L>(token, batch.geometry));
         let by_law = !matches!(response, Response::Elastic);
-        let own = match by_law {
-            true => {
-                let step = (&modes, &stresses, remaining.as_ref());
-                self.own_history(index, &batch, geometry, own, step)
-            }
-            false => OwnHistory::zero(zero),
+        let own = if by_law {
+            let step = (&modes, &stresses, remaining.as_ref());
+            self.own_history(index, &batch, geometry, own, step)
+        } else {
+            OwnHistory::zero(zero)
         };
         let hourglass = Hourglass::new(moduli).with_history(own.after());
         if let HistoryAccess::Write(history) = &mut self.history {
@@ -81,12 +80,11 @@ where
             Some((Some(points), are_all)) => Some(Energy::over(points, *are_all, &volumes)),
             Some((None, _)) => {
                 let moduli = self.moduli;
-                let water = match moduli.water == 0.0 {
-                    true => None,
-                    false => {
-                        let strains = self.kernel.strains(geometry, &modes);
-                        pressures(self.history.get(), moduli, index, &strains)
-                    }
+                let water = if moduli.water == 0.0 {
+                    None
+                } else {
+                    let strains = self.kernel.strains(geometry, &modes);
+                    pressures(self.history.get(), moduli, index, &strains)
                 };
                 let water = water.as_ref();
                 Some(Energy::of_stresses(moduli, &volumes, &stresses, water))

@@ -350,9 +350,10 @@ impl<M: ConstitutiveLaw, S: BatchScalar> InLanes<'_, '_, M, S> {
             }
             access.get().prefetch(batch + AHEAD);
         }
-        match has_energies {
-            true => Energies::All,
-            false => Energies::None,
+        if has_energies {
+            Energies::All
+        } else {
+            Energies::None
         }
     }
 }

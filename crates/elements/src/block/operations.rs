@@ -38,9 +38,10 @@ impl Moduli {
     /// The moduli in static states: without water in pores, unless it cannot flow in them.
     #[inline(always)]
     pub(super) fn at_rest(self) -> Self {
-        match self.is_drained {
-            true => self.drained(),
-            false => self,
+        if self.is_drained {
+            self.drained()
+        } else {
+            self
         }
     }
     /// The moduli without water in pores.
@@ -324,9 +325,10 @@ where
                         } else {
                             Response::Law
                         };
-                        let remaining = match required.all || required.hourglass {
-                            true => Some(self.exchange.remaining::<L, P>(token, batch)),
-                            false => None,
+                        let remaining = if required.all || required.hourglass {
+                            Some(self.exchange.remaining::<L, P>(token, batch))
+                        } else {
+                            None
                         };
                         if self.kernel.own_history() > 0 {
                             own = self.exchange.own::<L>(token, batch);

@@ -81,9 +81,10 @@ impl<L: BatchLane> OwnHistory<L> {
         // A history less than zero is a strain.
         let still = times(modes, moduli[0].constant(0.0));
         let flowed = self.sum(1.0, -1.0);
-        let (forces, rest) = match ended {
-            true => (self.after, self.sum(-1.0, 2.0)),
-            false => (self.before, self.after),
+        let (forces, rest) = if ended {
+            (self.after, self.sum(-1.0, 2.0))
+        } else {
+            (self.before, self.after)
         };
         let pair = [
             (modes, self.known(&forces)),
@@ -244,9 +245,10 @@ where
         let moved;
         match remaining {
             Some(remaining) if self.moduli.resist() => {
-                let increments = match flows(remaining) {
-                    true => self.moved::<L>(batch, modes),
-                    false => None,
+                let increments = if flows(remaining) {
+                    self.moved::<L>(batch, modes)
+                } else {
+                    None
                 };
                 if let Some(increments) = increments {
                     moved = increments;

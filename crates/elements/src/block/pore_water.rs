@@ -167,9 +167,10 @@ impl<I: ?Sized + ErasedLaw> Saturated<I> {
     /// Growth of the pressure since the last drained state, at a strain and with the history of a point.
     fn excess(&self, strain: &Strain, history: &[f64]) -> f64 {
         let at_rest = history[self.skeleton.history().len()];
-        match self.is_drained {
-            true => 0.0,
-            false => rise(at_rest, &strain.0, self.stiffness),
+        if self.is_drained {
+            0.0
+        } else {
+            rise(at_rest, &strain.0, self.stiffness)
         }
     }
     /// The input of the skeleton.
@@ -185,9 +186,10 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
     }
     fn medium(&self) -> ElasticMedium {
         let skeleton = self.skeleton.medium();
-        match self.is_drained {
-            true => skeleton,
-            false => undrained(&skeleton, self.stiffness),
+        if self.is_drained {
+            skeleton
+        } else {
+            undrained(&skeleton, self.stiffness)
         }
     }
     fn is_linear(&self) -> bool {
@@ -218,9 +220,10 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
             *normal -= excess;
         }
         let old = &input.history[of_skeleton.len()..];
-        of_water.copy_from_slice(&match self.is_drained {
-            true => [volume(&input.strain.0), vertical, excess],
-            false => [old[0], old[VERTICAL], excess],
+        of_water.copy_from_slice(&if self.is_drained {
+            [volume(&input.strain.0), vertical, excess]
+        } else {
+            [old[0], old[VERTICAL], excess]
         });
         stress
     }
@@ -265,9 +268,10 @@ impl<I: ?Sized + ErasedLaw> ErasedLaw for Saturated<I> {
     }
     /// That of the skeleton, of effective stresses, while water cannot flow; drained states store the volume strain.
     fn elastic_domain(&self) -> Option<ElasticDomain> {
-        match self.is_drained {
-            true => None,
-            false => self.skeleton.elastic_domain(),
+        if self.is_drained {
+            None
+        } else {
+            self.skeleton.elastic_domain()
         }
     }
 }
@@ -526,9 +530,10 @@ where
         }
         if variable == PORE_PRESSURE_RATIO.name {
             let compression = -mean(VERTICAL);
-            return Some(match compression > 0.0 {
-                true => mean(EXCESS) / compression,
-                false => 0.0,
+            return Some(if compression > 0.0 {
+                mean(EXCESS) / compression
+            } else {
+                0.0
             });
         }
         let which = VARIABLES.iter().position(|own| own.name == variable)?;

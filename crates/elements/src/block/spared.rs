@@ -52,9 +52,10 @@ where
         let out = NodalViewMut::F64(&mut forces);
         self.material(&still, access, None, Some(out), None);
         let acts = |force: &Quad<f64>| force.to_vector() != Vec3::zeros();
-        match forces.iter().any(acts) {
-            true => forces,
-            false => Vec::new(),
+        if forces.iter().any(acts) {
+            forces
+        } else {
+            Vec::new()
         }
     }
 

@@ -225,9 +225,12 @@ fn strips(
             // Where the line is level, all of it is within or none.
             let (mut low, mut high) = (-1.0_f64, 1.0_f64);
             for limit in [top, bottom] {
-                let is_within = |depth: f64| match limit == top {
-                    true => depth >= top,
-                    false => depth <= bottom,
+                let is_within = |depth: f64| {
+                    if limit == top {
+                        depth >= top
+                    } else {
+                        depth <= bottom
+                    }
                 };
                 match (is_within(left), is_within(right)) {
                     (true, true) => {}

@@ -50,9 +50,10 @@ pub(crate) fn load(kernel: SolidKernel) -> f64 {
         let mut rest = f64::INFINITY;
         for iteration in 0..200 {
             let elastic = step == 1 && iteration == 0;
-            let forces = match elastic {
-                true => fixture.apply(Operator::Elastic, &u),
-                false => fixture.static_forces(&u),
+            let forces = if elastic {
+                fixture.apply(Operator::Elastic, &u)
+            } else {
+                fixture.static_forces(&u)
             };
             let force = |freedom: usize| forces[freedom / 3][freedom % 3];
             let residual = DVector::from_iterator(free.len(), free.iter().map(|&f| -force(f)));

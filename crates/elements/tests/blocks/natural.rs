@@ -74,9 +74,12 @@ fn cantilever(poisson: f64, [along, across]: [usize; 2], map: impl Fn(&Vec3) -> 
     let found = displaced(
         &fixture,
         |x| [at(x).x < 1e-9, true, at(x).x < 1e-9],
-        |x| match at(x).x > 10.0 - 1e-9 {
-            true => Vec3::z() * (0.5 * share(at(x).z)),
-            false => Vec3::zeros(),
+        |x| {
+            if at(x).x > 10.0 - 1e-9 {
+                Vec3::z() * (0.5 * share(at(x).z))
+            } else {
+                Vec3::zeros()
+            }
         },
     );
     let medium = medium(poisson);
@@ -125,9 +128,10 @@ fn cantilevers_deflect_by_their_share() {
         (0.4999, [20, 2], false, 0.96, 0.006),
         (0.3, [10, 1], true, 0.98, 0.02),
     ] {
-        let found = match skewed {
-            true => cantilever(poisson, cells, skew),
-            false => cantilever(poisson, cells, |x| *x),
+        let found = if skewed {
+            cantilever(poisson, cells, skew)
+        } else {
+            cantilever(poisson, cells, |x| *x)
         };
         assert!(
             (found - expected).abs() < bound,

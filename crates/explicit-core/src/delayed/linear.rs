@@ -16,9 +16,12 @@ impl DelayedSlice {
         let gain = (0..self.sides.len()).map(|group| {
             let inertia = self.inertia(group);
             let moves = |axis: usize| self.mass[group] > 0.0 && !self.held[group][axis];
-            core::array::from_fn(|axis| match moves(axis) {
-                true => step / inertia[axis],
-                false => 0.0,
+            core::array::from_fn(|axis| {
+                if moves(axis) {
+                    step / inertia[axis]
+                } else {
+                    0.0
+                }
             })
         });
         if self.coupling.gain.0 != step {
@@ -97,25 +100,22 @@ impl Model {
                         z += applied.z;
                     }
                     let before = old[group];
-                    *new = match bare[group] {
-                        true => {
-                            let gain = &gain[group];
-                            [before[0] + gain[0] * x, before[1] + gain[2] * z]
-                        }
-                        false => {
-                            let [u_x, u_z] = displacement[group];
-                            let stretch = Vec3::new(u_x, 0.0, u_z) - Part::Plane.of(origin[group]);
-                            let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
-                            let own = Inert {
-                                group: &groups[group],
-                                inertia,
-                                held: held[group],
-                            };
-                            let before = Vec3::new(before[0], 0.0, before[1]);
-                            let force = Vec3::new(x, 0.0, z);
-                            let new = linear(Part::Plane, own, (force, stretch), before, step);
-                            [new.x, new.z]
-                        }
+                    *new = if bare[group] {
+                        let gain = &gain[group];
+                        [before[0] + gain[0] * x, before[1] + gain[2] * z]
+                    } else {
+                        let [u_x, u_z] = displacement[group];
+                        let stretch = Vec3::new(u_x, 0.0, u_z) - Part::Plane.of(origin[group]);
+                        let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
+                        let own = Inert {
+                            group: &groups[group],
+                            inertia,
+                            held: held[group],
+                        };
+                        let before = Vec3::new(before[0], 0.0, before[1]);
+                        let force = Vec3::new(x, 0.0, z);
+                        let new = linear(Part::Plane, own, (force, stretch), before, step);
+                        [new.x, new.z]
                     };
                     sound &= new[0].abs() <= limit && new[1].abs() <= limit;
                 }
@@ -156,20 +156,19 @@ impl Model {
                     if !free[group] {
                         force += sums.on_group(group).y;
                     }
-                    *new = match bare[group] {
-                        true => old[group] + gain[group][1] * force,
-                        false => {
-                            let stretch = displacement[group] - origin[group].y;
-                            let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
-                            let own = Inert {
-                                group: &groups[group],
-                                inertia,
-                                held: held[group],
-                            };
-                            let vectors = [force, stretch, old[group]].map(|y| y * Vec3::y());
-                            let [force, stretch, before] = vectors;
-                            linear(Part::Axial, own, (force, stretch), before, step).y
-                        }
+                    *new = if bare[group] {
+                        old[group] + gain[group][1] * force
+                    } else {
+                        let stretch = displacement[group] - origin[group].y;
+                        let inertia = inertia_of(mass[group], lumping.rigidity(group), s);
+                        let own = Inert {
+                            group: &groups[group],
+                            inertia,
+                            held: held[group],
+                        };
+                        let vectors = [force, stretch, old[group]].map(|y| y * Vec3::y());
+                        let [force, stretch, before] = vectors;
+                        linear(Part::Axial, own, (force, stretch), before, step).y
                     };
                     sound &= new.abs() <= limit;
                 }

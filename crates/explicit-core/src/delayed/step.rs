@@ -42,9 +42,10 @@ impl DelayedSlice {
     pub(crate) fn motion_of(&self, node: usize) -> Option<[Vec3; 2]> {
         let motion = self.motion.as_ref()?;
         let (group, sign) = self.place[node];
-        let own = match self.is_centred {
-            true => motion.centred(group as usize),
-            false => motion.now(group as usize),
+        let own = if self.is_centred {
+            motion.centred(group as usize)
+        } else {
+            motion.now(group as usize)
         };
         Some(self.of_side(sign, own))
     }
@@ -158,9 +159,10 @@ impl Model {
         (motion.axial.before).clone_from(&motion.axial.velocity);
         slice.is_centred = false;
         slice.motion = Some(motion);
-        match slice.is_linear {
-            true => Ok(()),
-            false => self.start_momentum(step),
+        if slice.is_linear {
+            Ok(())
+        } else {
+            self.start_momentum(step)
         }
     }
 
@@ -249,9 +251,10 @@ impl Model {
     /// New velocities of x and z of a slice, half a step after the present time.
     pub(crate) fn kick_slice(&mut self, rule: MassDampingRule, step: f64) {
         self.prepared = Some((rule, step));
-        match self.is_linear_slice() {
-            true => self.kick_plane(step),
-            false => self.update_slice(Part::Plane, step),
+        if self.is_linear_slice() {
+            self.kick_plane(step)
+        } else {
+            self.update_slice(Part::Plane, step)
         }
         if let Some(slice) = &mut self.delayed {
             slice.is_centred = true;
@@ -274,9 +277,10 @@ impl Model {
             }
         }
         self.time = start + 0.5 * step;
-        match self.is_linear_slice() {
-            true => self.kick_axial(step),
-            false => self.evaluate_axial(step),
+        if self.is_linear_slice() {
+            self.kick_axial(step)
+        } else {
+            self.evaluate_axial(step)
         }
         if let Some((slice, ..)) = self.slice_parts()
             && let Some(motion) = &mut slice.motion

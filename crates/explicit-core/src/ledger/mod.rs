@@ -410,9 +410,10 @@ impl Ledger {
             of_one => of_one * cancelled,
         };
         // NaN counts as a residual.
-        let beyond = match residual.abs() <= rounding {
-            true => 0.0,
-            false => residual - rounding.copysign(residual),
+        let beyond = if residual.abs() <= rounding {
+            0.0
+        } else {
+            residual - rounding.copysign(residual)
         };
         let mut columns = spent.to_vec();
         if present.has_added_masses {

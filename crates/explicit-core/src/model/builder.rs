@@ -124,9 +124,10 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let orphans: Vec<u32> = orphans.filter(|&node| node != ABSENT).collect();
     let (blocks, nodes_of_blocks) = assembly.on_rank(|node| ranked.local(node));
     let here = ranked.numbering(&numbering);
-    let (mass, mass_damping) = match ranked.is_single() {
-        true => lumped(&blocks, &nodes_of_blocks, here.mesh_of.len()),
-        false => ranked.lumped(&blocks, &nodes_of_blocks),
+    let (mass, mass_damping) = if ranked.is_single() {
+        lumped(&blocks, &nodes_of_blocks, here.mesh_of.len())
+    } else {
+        ranked.lumped(&blocks, &nodes_of_blocks)
     };
     let checked = check_masses(mesh, &here, &mass, &orphans);
     ranked.team.agree(checked.map_err(ModelError::from))?;

@@ -129,9 +129,10 @@ fn forces_of<S: Storage>(
     if commit {
         block.commit();
     }
-    let shift = match undamped {
-        true => -block.damping().stiffness,
-        false => terms.damping_shift,
+    let shift = if undamped {
+        -block.damping().stiffness
+    } else {
+        terms.damping_shift
     };
     let reads_velocity = block.reads_velocity(shift, ledger);
     let computed =
@@ -340,19 +341,13 @@ impl Model {
             }
             let start = profiler.as_deref().map(|_| Instant::now());
             let profile = profiler.as_deref();
-            let times = profile.map(|profile| match probed {
-                true => &profile.probes.whole,
-                false => &profile.blocks,
-            });
+            let times = profile.map(|profile| if probed { &profile.probes.whole } else { &profile.blocks });
             let (fault, ()) = rayon::join(
-                || match ranks.is_single() {
-                    true => block_forces(subdomain, blocks, motion, forces, evaluation, times),
-                    false => {
+                || if ranks.is_single() { block_forces(subdomain, blocks, motion, forces, evaluation, times) } else {
                         let Ranked { exchange, team, .. } = ranks;
                         let to = (exchange, &*team);
                         block_forces_sent(subdomain, blocks, motion, forces, evaluation, to)
-                    }
-                },
+                    },
                 || loads.evaluate(when.time, profile.map(|profile| &profile.loads)),
             );
             loads.sums.write_plain(external);
@@ -388,9 +383,10 @@ impl Model {
         let complete = with_nodes!(&mut self.nodes, arrays => {
             exchange.receive(team, &mut arrays.forces)
         });
-        match complete {
-            true => Ok(()),
-            false => Err(self.ranks.ended_elsewhere()),
+        if complete {
+            Ok(())
+        } else {
+            Err(self.ranks.ended_elsewhere())
         }
     }
 

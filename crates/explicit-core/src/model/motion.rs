@@ -426,12 +426,13 @@ impl Model {
     /// # Errors
     /// [`EngineError::UnknownJoint`] if no rank has one.
     pub(crate) fn restore_joint(&mut self, joint: &JointHistory) -> Result<bool, EngineError> {
-        let here = match self.ranks.is_single() {
-            true => Cow::Borrowed(joint),
-            false => match self.here(joint)? {
+        let here = if self.ranks.is_single() {
+            Cow::Borrowed(joint)
+        } else {
+            match self.here(joint)? {
                 Some(here) => Cow::Owned(here),
                 None => return Ok(true),
-            },
+            }
         };
         let mut constraints = self.constraints.iter_mut();
         Ok(constraints.any(|bound| {
@@ -555,10 +556,7 @@ fn merged(blocks: impl Iterator<Item = (String, bool, Vec<HistoryField>)>) -> Ve
             }
         }
     }
-    let in_order = |(embedded, field)| match embedded {
-        true => by_element(field),
-        false => field,
-    };
+    let in_order = |(embedded, field)| if embedded { by_element(field) } else { field };
     all.into_iter().map(in_order).collect()
 }
 

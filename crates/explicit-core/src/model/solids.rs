@@ -91,9 +91,10 @@ fn build_subsets(
             .into());
         }
     }
-    let ranks = match team.is_single() {
-        true => vec![0; partition.blocks.len()],
-        false => Distribution::new(&partition, mesh, team.count())?.rank_of_block,
+    let ranks = if team.is_single() {
+        vec![0; partition.blocks.len()]
+    } else {
+        Distribution::new(&partition, mesh, team.count())?.rank_of_block
     };
     let own = (0..ranks.len()).filter(|&block| ranks[block] as usize == team.rank());
     let own: Vec<usize> = own.collect();

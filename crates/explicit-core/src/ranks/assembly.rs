@@ -243,13 +243,13 @@ impl Ranked {
 
     /// Number on this rank of an engine node; [`ABSENT`] for one of other ranks.
     pub(crate) fn local(&self, engine: u32) -> u32 {
-        match self.is_single() {
-            true => engine,
-            false => self
-                .local_of
+        if self.is_single() {
+            engine
+        } else {
+            self.local_of
                 .get(engine as usize)
                 .copied()
-                .unwrap_or(ABSENT),
+                .unwrap_or(ABSENT)
         }
     }
 
@@ -260,9 +260,10 @@ impl Ranked {
 
     /// The numbers on this rank from those of a model on one rank.
     pub(crate) fn numbering(&self, all: &Numbering) -> Numbering {
-        match self.is_single() {
-            true => all.clone(),
-            false => all.on_rank(&self.present, &self.local_of),
+        if self.is_single() {
+            all.clone()
+        } else {
+            all.on_rank(&self.present, &self.local_of)
         }
     }
 

@@ -165,9 +165,10 @@ impl Communicator {
     pub(crate) fn check_same(&self, what: &'static str, value: u64) -> Result<(), ModelError> {
         let (least, most) = (self.least(value), !self.least(!value));
         self.check().map_err(|failure| rank_failure(&failure))?;
-        match least == most {
-            true => Ok(()),
-            false => Err(EngineError::RanksDiffer { what }.into()),
+        if least == most {
+            Ok(())
+        } else {
+            Err(EngineError::RanksDiffer { what }.into())
         }
     }
 

@@ -186,9 +186,10 @@ impl Ranked {
 
     /// Agrees with the other ranks that none has failed; to be called before a collective operation in a run.
     pub(crate) fn agree_to_go_on(&mut self) -> Result<(), RunError> {
-        match self.is_single() {
-            true => Ok(()),
-            false => self.decide(NONE).map(|_| ()),
+        if self.is_single() {
+            Ok(())
+        } else {
+            self.decide(NONE).map(|_| ())
         }
     }
 

@@ -306,9 +306,10 @@ impl<'a> Gathered<'a> {
 
 /// Number of nodes of an element; none of one that does not exist.
 fn node_count(mesh: &Mesh, element: u32) -> usize {
-    match (element as usize) < mesh.element_count() {
-        true => mesh.nodes_of(element).len(),
-        false => 0,
+    if (element as usize) < mesh.element_count() {
+        mesh.nodes_of(element).len()
+    } else {
+        0
     }
 }
 

@@ -131,9 +131,10 @@ impl Model {
         }
         let team = &self.ranks.team;
         let most = team.most_of(worst.1.max(0.0));
-        let own = match worst.1 == most {
-            true => self.ranks.engine(worst.0) as u64,
-            false => NONE,
+        let own = if worst.1 == most {
+            self.ranks.engine(worst.0) as u64
+        } else {
+            NONE
         };
         self.named_node(team.least(own))
     }

@@ -311,9 +311,10 @@ impl Model {
             for ((record, before), pair) in records.zip(joint.pairs) {
                 let [first, second] = pair.nodes.map(|node| self.engine(node));
                 if self.lacks_a_side(pair) {
-                    let (orphan, other) = match self.is_orphan(first) {
-                        true => (first, second),
-                        false => (second, first),
+                    let (orphan, other) = if self.is_orphan(first) {
+                        (first, second)
+                    } else {
+                        (second, first)
                     };
                     let moved = u[other] - start[other];
                     for member in self.members(&(orphan as u32)) {

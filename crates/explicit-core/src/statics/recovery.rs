@@ -213,9 +213,10 @@ impl Model {
         let [Some(one), Some(other)] = conditions else {
             return Vec::new();
         };
-        let (few, many) = match one.directions().len() <= other.directions().len() {
-            true => (one, other),
-            false => (other, one),
+        let (few, many) = if one.directions().len() <= other.directions().len() {
+            (one, other)
+        } else {
+            (other, one)
         };
         let held = few.directions().iter().copied();
         held.filter(|&along| many.free(along).norm() < PARALLEL)

@@ -180,9 +180,10 @@ impl<'a> System<'a> {
     pub(super) fn check_stop(&self) -> Result<(), StaticError> {
         let goes_on = self.model.on_all_ranks(!self.model.is_stopped());
         self.model.ranks.team.check()?;
-        match goes_on {
-            true => Ok(()),
-            false => Err(StaticError::Interrupted),
+        if goes_on {
+            Ok(())
+        } else {
+            Err(StaticError::Interrupted)
         }
     }
 

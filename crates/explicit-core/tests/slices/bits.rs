@@ -161,13 +161,14 @@ fn a_slice_in_equilibrium_stays_still() {
             .gravity(Vec3::new(0.0, 0.0, -9.81), Box::new(|_: f64| 1.0))
             .support(Support::fixed(bottom));
         let (pairs, slowness) = (pairs(&mesh), 0.7 / rock().p_speed());
-        match moves {
-            true => spec.delayed(DelayedPairs {
+        if moves {
+            spec.delayed(DelayedPairs {
                 pairs,
                 slowness,
                 ..DelayedPairs::default()
-            }),
-            false => spec.periodic(PeriodicPairs { pairs }),
+            })
+        } else {
+            spec.periodic(PeriodicPairs { pairs })
         }
     };
     let mut resting = build(false).build().unwrap();

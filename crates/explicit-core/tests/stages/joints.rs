@@ -334,9 +334,10 @@ fn a_bond_softens_by_its_displacement_alone() {
             };
             let check = |model: &Model, bearing: f64, lost: f64, bond: Bond| {
                 for (record, pair) in records(model).iter().zip(&cut.surface.pairs) {
-                    let found = match is_drawn {
-                        true => record.traction.x,
-                        false => record.traction.y.hypot(record.traction.z),
+                    let found = if is_drawn {
+                        record.traction.x
+                    } else {
+                        record.traction.y.hypot(record.traction.z)
                     };
                     let error = (found - bearing).abs() / strength;
                     assert!(error < 1e-6, "{along:?}: {found} {bearing}");

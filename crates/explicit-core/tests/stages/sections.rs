@@ -115,15 +115,16 @@ fn what_stages_left_counts() {
         (SolidKernel::Hex8BBar, true),
     ] {
         let options = BlockOptions::default;
-        let (plastic, found) = match yields {
-            true => at_rest(
+        let (plastic, found) = if yields {
+            at_rest(
                 || kernel.factory("pillar", yielding.clone(), options()),
                 &heights,
-            ),
-            false => at_rest(
+            )
+        } else {
+            at_rest(
                 || kernel.factory("pillar", Elastic(rock()), options()),
                 &heights,
-            ),
+            )
         };
         assert_eq!(plastic > 1e-5, yields, "{kernel:?} {plastic:e}");
         for ([axial, shear, _, _, moment, ..], height) in found.into_iter().zip(heights) {

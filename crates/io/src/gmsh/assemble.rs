@@ -317,9 +317,10 @@ pub(super) fn assemble(
     let assembly = Assembly::new(raw, options.bars);
     assembly.check_order()?;
     let mesh = assembly.build()?;
-    let mesh = match options.straighten {
-        true => mesh.with_straight_edges(),
-        false => mesh,
+    let mesh = if options.straighten {
+        mesh.with_straight_edges()
+    } else {
+        mesh
     };
     let quality = mesh.check().map_err(|error| assembly.locate(error))?;
     let uses = |wanted: fn(&ElementUse) -> bool| assembly.uses.iter().filter(|f| wanted(f)).count();

@@ -323,9 +323,10 @@ fn not_gmsh(found: &str, known: Option<&str>) -> String {
     const CONVERTED: [&str; 4] = ["MED", "universal", "Nastran", "Medit"];
     if let Some(known) = known {
         let is_converted = CONVERTED.iter().any(|name| known.contains(name));
-        let way = match is_converted {
-            true => "`gmsh FILE -save -format msh41 -o mesh.msh` writes it as one, with its groups",
-            false => "meshio and `Mesh.from_meshio` of the Python package read many formats",
+        let way = if is_converted {
+            "`gmsh FILE -save -format msh41 -o mesh.msh` writes it as one, with its groups"
+        } else {
+            "meshio and `Mesh.from_meshio` of the Python package read many formats"
         };
         return format!("this is {known}, not a Gmsh mesh: {way}");
     }

@@ -98,12 +98,13 @@ const INTEGER: RecordSize = RecordSize {
 /// Checks that the partitions with elements are the first ones, at least two of them: how many there are the file does not
 /// say.
 fn complete(found: &BTreeSet<i32>) -> Result<(), GmshFault> {
-    match found.len() > 1 && found.iter().copied().eq(1..=found.len() as i32) {
-        true => Ok(()),
-        false => Err(GmshFault::PartOfMesh {
+    if found.len() > 1 && found.iter().copied().eq(1..=found.len() as i32) {
+        Ok(())
+    } else {
+        Err(GmshFault::PartOfMesh {
             found: found.iter().copied().collect(),
             count: None,
-        }),
+        })
     }
 }
 

@@ -36,9 +36,10 @@ pub(super) fn assemble(
     let (ungrouped_elements, has_element_sets) =
         element_sets(&mut mesh, raw, &sets, &places).map_err(at_start)?;
     let empty_sets = other_sets(&mut mesh, raw, sets, &index, &places).map_err(at_start)?;
-    let mesh = match options.straighten {
-        true => mesh.with_straight_edges(),
-        false => mesh,
+    let mesh = if options.straighten {
+        mesh.with_straight_edges()
+    } else {
+        mesh
     };
     let quality = mesh.check().map_err(|error| locate(raw, error))?;
     let second_order = |e: &&RawElement| !e.shape.edges.is_empty();
@@ -51,9 +52,10 @@ pub(super) fn assemble(
         has_element_sets,
         ungrouped_elements,
         dropped_nodes: raw.nodes.tags.len() - mesh.node_count(),
-        lowered_elements: match options.first_order {
-            true => elements.iter().filter(second_order).count(),
-            false => 0,
+        lowered_elements: if options.first_order {
+            elements.iter().filter(second_order).count()
+        } else {
+            0
         },
         curved_nodes: curved.count(),
         largest_curve: curved.largest(),
@@ -146,9 +148,12 @@ fn places(raw: &RawMesh) -> Option<Vec<u32>> {
         return None;
     }
     let mut next = 0..;
-    let place = |element: &RawElement| match element.shape.is_facet() {
-        true => UNUSED,
-        false => next.next().unwrap_or(UNUSED),
+    let place = |element: &RawElement| {
+        if element.shape.is_facet() {
+            UNUSED
+        } else {
+            next.next().unwrap_or(UNUSED)
+        }
     };
     Some(elements.iter().map(place).collect())
 }
@@ -300,9 +305,10 @@ fn other_sets(
     for set in sets.nodes.list {
         let nodes = set.members.iter().map(|&node| index[node as usize]);
         let nodes: Vec<u32> = nodes.filter(|&node| node != UNUSED).collect();
-        match nodes.is_empty() {
-            true => empty.push(set.name),
-            false => mesh.set_node_set(&set.name, nodes)?,
+        if nodes.is_empty() {
+            empty.push(set.name)
+        } else {
+            mesh.set_node_set(&set.name, nodes)?
         }
     }
     for set in sets.faces.list {

@@ -143,8 +143,9 @@ fn included(keyword: &Keyword<'_>) -> Result<PathBuf, Located> {
     let is_below = path
         .components()
         .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    match is_below {
-        true => Ok(path),
-        false => Err(keyword.fault(InpFault::IncludedElsewhere { name })),
+    if is_below {
+        Ok(path)
+    } else {
+        Err(keyword.fault(InpFault::IncludedElsewhere { name }))
     }
 }

@@ -123,9 +123,10 @@ impl Parameters {
     }
     /// Value of a parameter as a name; none if the parameter is not given, a fault if it has no value.
     pub(super) fn name_if_any(&self, parameter: &'static str) -> Result<Option<Name>, Located> {
-        match self.has(parameter) {
-            true => self.name(parameter).map(Some),
-            false => Ok(None),
+        if self.has(parameter) {
+            self.name(parameter).map(Some)
+        } else {
+            Ok(None)
         }
     }
 }

@@ -54,9 +54,10 @@ pub(super) fn all(parts: &Parts, mut contents: Vec<RawPart>) -> Result<RawMesh, 
             let needed = instances[index + 1..]
                 .iter()
                 .any(|other| other.part == part);
-            let part = match needed {
-                true => contents[part].clone(),
-                false => std::mem::take(&mut contents[part]),
+            let part = if needed {
+                contents[part].clone()
+            } else {
+                std::mem::take(&mut contents[part])
             };
             add(&mut raw, part, instance, (index, shift))?;
         }

@@ -250,9 +250,10 @@ impl Reader<'_> {
             if let Some(field) = line.fields().next() {
                 let number = field.number(ELEMENT, "an element number")?;
                 let is_assembly = self.parts.in_assembly();
-                match is_assembly {
-                    true => self.outside.insert(number),
-                    false => self.content().elements.outside.insert(number),
+                if is_assembly {
+                    self.outside.insert(number)
+                } else {
+                    self.content().elements.outside.insert(number)
                 };
             }
             count += 1;
@@ -405,9 +406,10 @@ fn element<'a>(
     loop {
         let Some(field) = fields.next() else {
             let found = nodes.len() - first;
-            let next = match found < shape.nodes {
-                true => lines.data(),
-                false => None,
+            let next = if found < shape.nodes {
+                lines.data()
+            } else {
+                None
             };
             match (next, tag) {
                 (Some(next), _) => {

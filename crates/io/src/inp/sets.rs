@@ -222,9 +222,10 @@ impl Reader<'_> {
         let raw = self.raw;
         let fault = |fault| Err(Located::new(block.keyword, offset, fault));
         let is_node = block.kind == SetKind::Nodes;
-        let (what, index, outside) = match is_node {
-            true => ("node", &raw.nodes.index, &raw.points),
-            false => ("element", &raw.elements.index, &raw.outside),
+        let (what, index, outside) = if is_node {
+            ("node", &raw.nodes.index, &raw.points)
+        } else {
+            ("element", &raw.elements.index, &raw.outside)
         };
         let instance = instance.or(block.scope).or(block.instance);
         let placed = instance.map(|index| &raw.instances[index as usize]);
@@ -437,9 +438,10 @@ impl Reader<'_> {
             };
             Some(Facet { element, side })
         });
-        let added: Vec<Facet> = match count <= self.room {
-            true => all.collect(),
-            false => Vec::new(),
+        let added: Vec<Facet> = if count <= self.room {
+            all.collect()
+        } else {
+            Vec::new()
         };
         self.spend(block, member.offset, count)?;
         facets.extend(added);

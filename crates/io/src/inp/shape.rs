@@ -165,9 +165,10 @@ impl Shape {
             }
             _ => {
                 let upper = name.to_ascii_uppercase();
-                match LEFT_OUT.iter().any(|start| upper.starts_with(start)) {
-                    true => TypeOfName::LeftOut,
-                    false => TypeOfName::Unknown,
+                if LEFT_OUT.iter().any(|start| upper.starts_with(start)) {
+                    TypeOfName::LeftOut
+                } else {
+                    TypeOfName::Unknown
                 }
             }
         }

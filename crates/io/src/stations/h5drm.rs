@@ -53,12 +53,13 @@ fn damaged(object: &'static str, error: hdf5_pure::Error) -> StationFileFault {
 
 /// Checks that as many numbers were read as the shape of their object has: a damaged object may have fewer.
 fn check_count(object: &'static str, found: usize, expected: u64) -> Result<(), StationFileFault> {
-    match found as u64 == expected {
-        true => Ok(()),
-        false => Err(StationFileFault::Damaged {
+    if found as u64 == expected {
+        Ok(())
+    } else {
+        Err(StationFileFault::Damaged {
             object,
             reason: format!("{found} numbers are there, {expected} expected"),
-        }),
+        })
     }
 }
 
@@ -82,13 +83,14 @@ impl Source {
             .iter()
             .try_fold(1_u64, |n, length| n.checked_mul(*length));
         let claimed = numbers.and_then(|n| n.checked_mul(8)).unwrap_or(u64::MAX);
-        match claimed / LARGEST_RATIO <= self.size {
-            true => Ok((dataset, shape)),
-            false => Err(StationFileFault::Endless {
+        if claimed / LARGEST_RATIO <= self.size {
+            Ok((dataset, shape))
+        } else {
+            Err(StationFileFault::Endless {
                 object,
                 claimed,
                 size: self.size,
-            }),
+            })
         }
     }
 

@@ -70,9 +70,10 @@ pub enum StationForm {
 pub fn read_station_motions(file: &Path, most: u64) -> Result<StationMotions, StationFileError> {
     let ending = file.extension().and_then(|ending| ending.to_str());
     let is_h5drm = ending.is_some_and(|ending| H5DRM.contains(&ending.to_lowercase().as_str()));
-    let motions = match is_h5drm {
-        true => of_h5drm(file, most),
-        false => table::read(file, most),
+    let motions = if is_h5drm {
+        of_h5drm(file, most)
+    } else {
+        table::read(file, most)
     };
     motions.map_err(|fault| StationFileError {
         file: file.into(),
@@ -99,13 +100,14 @@ fn check_memory(
 ) -> Result<(), StationFileFault> {
     let numbers = u128::from(stations) * u128::from(samples) * u128::from(width);
     let needed = u64::try_from(8 * numbers).unwrap_or(u64::MAX);
-    match needed <= most {
-        true => Ok(()),
-        false => Err(StationFileFault::Memory {
+    if needed <= most {
+        Ok(())
+    } else {
+        Err(StationFileFault::Memory {
             stations,
             samples,
             needed,
             most,
-        }),
+        })
     }
 }

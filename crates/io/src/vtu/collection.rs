@@ -116,9 +116,10 @@ impl PvdCollection {
         let file = &self.file;
         self.entries
             .retain(|(.., name)| file.with_file_name(name).exists());
-        match self.entries.len() == before {
-            true => Ok(()),
-            false => write_whole(&self.file, self.text().as_bytes()),
+        if self.entries.len() == before {
+            Ok(())
+        } else {
+            write_whole(&self.file, self.text().as_bytes())
         }
     }
 

@@ -26,9 +26,10 @@ pub(super) fn decompressed(data: &[u8], offset: usize) -> Option<Vec<u8>> {
     let mut out = Vec::new();
     for block in 0..blocks {
         let end = start.checked_add(word(block.checked_add(3)?)?)?;
-        let stated = match block + 1 == blocks && last > 0 {
-            true => last,
-            false => size,
+        let stated = if block + 1 == blocks && last > 0 {
+            last
+        } else {
+            size
         };
         let before = out.len();
         let decoder = ZlibDecoder::new(data.get(start..end)?);

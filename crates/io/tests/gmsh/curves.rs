@@ -183,9 +183,10 @@ fn mutations_of_degenerate_files_never_panic() {
         for _ in 0..200 {
             let mut bytes = file.clone();
             let place = random.below(bytes.len());
-            bytes[place] = match format.is_text() {
-                true => b"0123456789 .-\n"[random.below(14)],
-                false => random.below(256) as u8,
+            bytes[place] = if format.is_text() {
+                b"0123456789 .-\n"[random.below(14)]
+            } else {
+                random.below(256) as u8
             };
             if let Ok(read) = parse_gmsh(&bytes) {
                 let mesh = &read.mesh;

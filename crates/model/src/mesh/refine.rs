@@ -107,12 +107,13 @@ impl Mesh {
         };
         let count: usize = (0..self.element_count() as u32).map(corners).sum();
         // There are no more new nodes than corners.
-        match count + self.node_count() < u32::MAX as usize {
-            true => Ok(()),
-            false => Err(MeshError::TooLarge {
+        if count + self.node_count() < u32::MAX as usize {
+            Ok(())
+        } else {
+            Err(MeshError::TooLarge {
                 what: "corners of smaller elements",
                 count,
-            }),
+            })
         }
     }
 

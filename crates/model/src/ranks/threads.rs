@@ -253,9 +253,10 @@ impl Ranks for ThreadRanks {
         if from >= count {
             return Err(RankError::Unknown { rank: from, count });
         }
-        let own = match self.rank == from {
-            true => bytes.clone(),
-            false => Vec::new(),
+        let own = if self.rank == from {
+            bytes.clone()
+        } else {
+            Vec::new()
         };
         let all = self.collect(format!("broadcast from rank {from}"), own)?;
         bytes.clone_from(&all[from]);

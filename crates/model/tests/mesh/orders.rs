@@ -198,9 +198,12 @@ fn curved_edges_are_refused_and_straightened() {
     let count = mesh.node_count();
     let bent = straight
         .clone()
-        .map_positions(|x| match (x - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-9 {
-            true => x + Vec3::new(0.0, -0.1, 0.0),
-            false => x,
+        .map_positions(|x| {
+            if (x - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-9 {
+                x + Vec3::new(0.0, -0.1, 0.0)
+            } else {
+                x
+            }
         })
         .unwrap();
     let error = bent.check().unwrap_err();

@@ -32,9 +32,10 @@ impl Plane {
     }
     /// Whether a position belongs to the positive side.
     pub(super) fn positive(&self, position: &Vec3) -> bool {
-        match self.own_positive {
-            true => self.distance(position) >= -self.tolerance,
-            false => self.distance(position) > self.tolerance,
+        if self.own_positive {
+            self.distance(position) >= -self.tolerance
+        } else {
+            self.distance(position) > self.tolerance
         }
     }
 }

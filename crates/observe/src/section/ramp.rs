@@ -53,35 +53,40 @@ impl Ramp {
         let ends = [*plane, plane.reversed()].map(|plane| end(mesh, &plane, &near));
         let is_cut = |end: &End| end.highest > CENTRED * length;
         let cuts_end = (ends.iter()).any(|end| is_cut(end) && end.lowest > -REACH * length);
-        let limits = ends.each_ref().map(|end| match is_cut(end) {
-            true => end.lowest,
-            false => end.highest,
-        });
+        let limits = ends
+            .each_ref()
+            .map(|end| if is_cut(end) { end.lowest } else { end.highest });
         // Two faces that nearly meet in the plane leave no room.
-        let [low, high] = match limits[0] + limits[1] < -0.25 * length {
-            true => [limits[0], -limits[1]],
-            false => [ends[0].lowest, -ends[1].lowest],
+        let [low, high] = if limits[0] + limits[1] < -0.25 * length {
+            [limits[0], -limits[1]]
+        } else {
+            [ends[0].lowest, -ends[1].lowest]
         };
-        let from = match high - low > length {
-            true => (-0.5 * length).max(low).min(high - length),
-            false => low,
+        let from = if high - low > length {
+            (-0.5 * length).max(low).min(high - length)
+        } else {
+            low
         };
         let first = [from, (from + length).min(high)];
         let centre = |range: Range| centre(mesh, plane, &near, range);
         let mut ramps = vec![(first, centre(first).unwrap_or(0.0))];
         let off = ramps[0].1;
         if off.abs() > CENTRED * length {
-            let beside = |range: Range, above: bool| match above {
-                true => [range[1], (range[1] + length).min(high)],
-                false => [(range[0] - length).max(low), range[0]],
+            let beside = |range: Range, above: bool| {
+                if above {
+                    [range[1], (range[1] + length).min(high)]
+                } else {
+                    [(range[0] - length).max(low), range[0]]
+                }
             };
             let is_wide = |range: &Range| range[1] - range[0] >= 0.5 * length;
             // Interpolation, where there is room for it, is better than extrapolation.
             let over = beside(first, off < 0.0);
             let next = beside(first, off > 0.0);
-            let others = match is_wide(&over) {
-                true => vec![over],
-                false => vec![next, beside(next, off > 0.0)],
+            let others = if is_wide(&over) {
+                vec![over]
+            } else {
+                vec![next, beside(next, off > 0.0)]
             };
             for range in others.into_iter().filter(is_wide) {
                 let apart =

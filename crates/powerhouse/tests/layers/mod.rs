@@ -101,9 +101,10 @@ fn error(size: f64, kind: WaveKind, degrees: f64, delay: f64, damped: bool) -> f
         )
     };
     let pairs = PeriodicPairs::by_translation(&mesh, &on(0.0), &on(size), 1e-6).unwrap();
-    let (damping, of_layer) = match damped {
-        true => flat(),
-        false => (Damping::None, LayerDamping::None),
+    let (damping, of_layer) = if damped {
+        flat()
+    } else {
+        (Damping::None, LayerDamping::None)
     };
     let wave = wave(kind, degrees, delay, &of_layer);
     let boundary = ViscousSpring {

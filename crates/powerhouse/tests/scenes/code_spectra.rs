@@ -25,9 +25,10 @@ fn station(name: &str) -> Variants {
     let write = |name: &str, factor: f64| {
         let row = |((time, _), value): (&(String, f64), f64)| format!("{time} {}", factor * value);
         let values: Vec<f64> = rows.iter().map(|(_, value)| *value).collect();
-        let text: Vec<String> = match factor > 0.0 {
-            true => rows.iter().zip(values).map(row).collect(),
-            false => rows.iter().zip(values.into_iter().rev()).map(row).collect(),
+        let text: Vec<String> = if factor > 0.0 {
+            rows.iter().zip(values).map(row).collect()
+        } else {
+            rows.iter().zip(values.into_iter().rev()).map(row).collect()
         };
         fs::write(variants.0.join(name), text.join("\n")).unwrap();
     };

@@ -428,9 +428,10 @@ fn ties_and_grouting_in_any_order() {
         let load = (blocks.axis, 1.0e6);
         let opened = |loose: bool, gap: f64, stages: Vec<SceneStage>| {
             let ground = stage("ground", RELAXED);
-            let ground = match loose {
-                true => blocks.pull(ground, load, None),
-                false => ground,
+            let ground = if loose {
+                blocks.pull(ground, load, None)
+            } else {
+                ground
             };
             let stages = [ground].into_iter().chain(stages).collect();
             run(blocks.scene(Plan { gap, loose, stages }, None))

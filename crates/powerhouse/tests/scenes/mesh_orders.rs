@@ -28,12 +28,13 @@ impl Files {
         let (low, high) = (Vec3::zeros(), Vec3::repeat(4.0));
         let four = Mesh::box_of_tets(low, high, [2, 2, 2], "rock").unwrap();
         let ten = four.with_midpoints().unwrap();
-        let bent =
-            ten.clone()
-                .map_positions(|x| match (x - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-9 {
-                    true => x - Vec3::y() * 0.25,
-                    false => x,
-                });
+        let bent = ten.clone().map_positions(|x| {
+            if (x - Vec3::new(1.0, 0.0, 0.0)).norm() < 1e-9 {
+                x - Vec3::y() * 0.25
+            } else {
+                x
+            }
+        });
         write_gmsh(folder.join("four.msh"), &four).unwrap();
         write_gmsh(folder.join("ten.msh"), &ten).unwrap();
         write_gmsh(folder.join("bent.msh"), &bent.unwrap()).unwrap();

@@ -460,9 +460,10 @@ fn a_lined_shaft_bears_the_head() {
         let mesh = mesh
             .map_positions(|x| {
                 let beyond = (x.x - of_lining as f64) / of_ground as f64;
-                let radius = match beyond > 0.0 {
-                    true => outside * (far / outside).powf(beyond),
-                    false => inner + (outside - inner) * x.x / of_lining as f64,
+                let radius = if beyond > 0.0 {
+                    outside * (far / outside).powf(beyond)
+                } else {
+                    inner + (outside - inner) * x.x / of_lining as f64
                 };
                 let (sine, cosine) = (0.5 * core::f64::consts::PI * x.y).sin_cos();
                 Vec3::new(radius * cosine, radius * sine, x.z)

@@ -176,16 +176,13 @@ pub(super) fn csmip_v2(motions: &[Motion], capitals: bool) -> String {
         text += &rows(&[-999.0; 100], 16, |value| format!("{value:>5}"));
         text += &rows(&[-999.0; 100], 8, |_| "-999.00000".into());
         for (quantity, unit) in [("accel", "cm/sec2"), ("veloc", "cm/sec"), ("displ", "cm")] {
-            let line = match capitals {
-                false => {
-                    format!(
-                        " {count} points of {quantity} data equally spaced at {step} sec, in {unit}. (8f10.6)"
-                    )
-                }
-                true => format!(
-                    "{count} points of {quantity} data equally spaced at {step} sec. (8f10.6)"
+            let line = if capitals {
+                format!("{count} points of {quantity} data equally spaced at {step} sec. (8f10.6)")
+                    .to_uppercase()
+            } else {
+                format!(
+                    " {count} points of {quantity} data equally spaced at {step} sec, in {unit}. (8f10.6)"
                 )
-                .to_uppercase(),
             };
             let _ = writeln!(text, "{line}");
             // Of `f10.6` the last digits make room for larger numbers.

@@ -104,19 +104,18 @@ impl FieldLine {
                 .zip(row)
                 .for_each(|(column, value)| column.values.push(value));
         }
-        match outside == self.points {
-            true => {
-                let [low, high] = [low, high].map(<[f64; 3]>::from);
-                Err(fault(&format!(
-                    "no point of the line is in an active element; the body is from {low:?} to {high:?} m, and may \
+        if outside == self.points {
+            let [low, high] = [low, high].map(<[f64; 3]>::from);
+            Err(fault(&format!(
+                "no point of the line is in an active element; the body is from {low:?} to {high:?} m, and may \
                      have openings"
-                )))
-            }
-            false => Ok(LineTable {
+            )))
+        } else {
+            Ok(LineTable {
                 columns,
                 outside,
                 gaps,
-            }),
+            })
         }
     }
 
@@ -137,12 +136,11 @@ impl FieldLine {
 
 /// Value of a field at a place in an element.
 fn value(field: &ScalarField, located: &Located) -> f64 {
-    match field.is_nodal {
-        true => {
-            located
-                .interpolate(|node| Vec3::x() * field.values[node as usize])
-                .x
-        }
-        false => field.values[located.element as usize],
+    if field.is_nodal {
+        located
+            .interpolate(|node| Vec3::x() * field.values[node as usize])
+            .x
+    } else {
+        field.values[located.element as usize]
     }
 }

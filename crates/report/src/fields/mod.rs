@@ -50,9 +50,10 @@ impl RecordedFields {
             return Ok(Self::of_file(path));
         }
         let list = path.join(SNAPSHOTS);
-        let entries = match list.exists() {
-            true => read_pvd(&list).map_err(powerhouse::Error::from)?,
-            false => Vec::new(),
+        let entries = if list.exists() {
+            read_pvd(&list).map_err(powerhouse::Error::from)?
+        } else {
+            Vec::new()
         };
         // Part 0 is the body, others are its joints.
         let body = entries.into_iter().filter(|entry| entry.part == 0);
@@ -168,9 +169,10 @@ impl RecordedFields {
     /// Path of a new file about the fields: in a folder below the results, or beside the one file.
     pub fn place(&self, below: &str, name: &str) -> PathBuf {
         // The files of snapshots are a folder deeper than the results.
-        match self.instants[0].1.parent() == Some(&self.folder) {
-            true => self.folder.join(name),
-            false => self.folder.join(below).join(name),
+        if self.instants[0].1.parent() == Some(&self.folder) {
+            self.folder.join(name)
+        } else {
+            self.folder.join(below).join(name)
         }
     }
 

@@ -243,9 +243,10 @@ impl FieldPicture {
             cut = self.cut;
         }
         let towards_viewer = |plane: SectionPlane| SectionPlane {
-            normal: match plane.normal.dot(&view.direction) > 0.0 {
-                true => -plane.normal,
-                false => plane.normal,
+            normal: if plane.normal.dot(&view.direction) > 0.0 {
+                -plane.normal
+            } else {
+                plane.normal
             },
             ..plane
         };
@@ -273,9 +274,10 @@ impl FieldPicture {
         let margin = Vec3::repeat(factor.abs() * moved);
         // Numbers of both signs have colours that are symmetric about zero.
         let size = low.abs().max(high);
-        let by_default = match low < 0.0 && high > 0.0 {
-            true => [-size, size],
-            false => [low, high],
+        let by_default = if low < 0.0 && high > 0.0 {
+            [-size, size]
+        } else {
+            [low, high]
         };
         let [low, high] = self.range.unwrap_or(by_default);
         Ok(Common {
@@ -314,9 +316,10 @@ impl FieldPicture {
         let has_kinds = field.is_whole && self.range.is_none() && last - lowest < MOST_KINDS;
         let from = if has_kinds { lowest } else { 0.0 };
         let numbers: Vec<f64> = field.values.iter().map(|value| value - from).collect();
-        let content = match field.is_nodal {
-            true => PictureField::Nodal(&numbers),
-            false => PictureField::Elemental(&numbers),
+        let content = if field.is_nodal {
+            PictureField::Nodal(&numbers)
+        } else {
+            PictureField::Elemental(&numbers)
         };
         let kinds = 0..if has_kinds {
             (last - lowest) as u32 + 1
@@ -381,9 +384,10 @@ impl FieldPicture {
 impl Instant {
     /// Numbers that are drawn.
     fn values(&self) -> impl Iterator<Item = f64> + '_ {
-        let shown = match self.field.is_nodal {
-            true => &self.nodes,
-            false => &self.elements,
+        let shown = if self.field.is_nodal {
+            &self.nodes
+        } else {
+            &self.elements
         };
         shown.iter().map(|&index| self.field.values[index as usize])
     }

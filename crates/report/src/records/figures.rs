@@ -57,9 +57,10 @@ fn table(names: &[&str], scales: &[ScaleStatistics]) -> ReportTable {
     for (row, name) in rows.iter_mut().zip(names) {
         for scale in scales {
             let shown = of(scale, name).map(|figure| {
-                let note = match figure.count < scale.finished {
-                    true => format!(" of {} cases", figure.count),
-                    false => String::new(),
+                let note = if figure.count < scale.finished {
+                    format!(" of {} cases", figure.count)
+                } else {
+                    String::new()
                 };
                 let [low, median, high] = figure.shown();
                 ([low, median, high], note)

@@ -26,9 +26,10 @@ const MOST_SECTIONS: usize = 4;
 /// Statistics of the folder of a sweep; `None` of one without a set of records.
 pub(super) fn found(folder: &Path) -> Result<Option<SetStatistics>, StudyError> {
     let file = folder.join(STATISTICS);
-    match file.exists() {
-        true => SetStatistics::read(&file).map(Some),
-        false => Ok(None),
+    if file.exists() {
+        SetStatistics::read(&file).map(Some)
+    } else {
+        Ok(None)
     }
 }
 

@@ -166,12 +166,13 @@ impl CheckpointFiles {
     /// [`CheckpointError::OtherRun`] with the inputs that have changed.
     pub fn check(&self, found: &RunInputs, here: &RunInputs) -> Result<(), CheckpointError> {
         let changed = found.differences(here);
-        match changed.is_empty() {
-            true => Ok(()),
-            false => Err(CheckpointError::OtherRun {
+        if changed.is_empty() {
+            Ok(())
+        } else {
+            Err(CheckpointError::OtherRun {
                 file: self.results.join(FOLDER),
                 what: changed.join(", "),
-            }),
+            })
         }
     }
 

@@ -73,9 +73,10 @@ impl KeptState {
             let file = self.file.clone();
             return Err(CheckpointError::Waves { file, time });
         }
-        let changed = match changes.is_empty() {
-            true => "nothing".into(),
-            false => changes.join(", "),
+        let changed = if changes.is_empty() {
+            "nothing".into()
+        } else {
+            changes.join(", ")
         };
         here.origin = Some(format!(
             "starts from the state at t = {time} s in {}; changed since: {changed}; tables, envelopes and snapshots begin \
@@ -149,9 +150,10 @@ impl CheckpointFiles {
         sections.retain(|section| section.name != MOTION);
         let (inputs, run) = run_of(&file, sections)?;
         let stages = self.kept(STAGES);
-        let body = match stages.is_file() {
-            true => Some(read_body(&stages)?.1),
-            false => None,
+        let body = if stages.is_file() {
+            Some(read_body(&stages)?.1)
+        } else {
+            None
         };
         Ok(KeptState {
             inputs,

@@ -353,9 +353,12 @@ impl Soil<'_> {
 
     /// The larger change of modulus and damping over their values if both became those of the strain.
     fn change(&self) -> f64 {
-        let change = |new: f64, old: f64| match new == old {
-            true => 0.0,
-            false => (new / old - 1.0).abs(),
+        let change = |new: f64, old: f64| {
+            if new == old {
+                0.0
+            } else {
+                (new / old - 1.0).abs()
+            }
         };
         let of_modulus = change(self.curves.modulus(self.strain), self.modulus);
         of_modulus.max(change(self.curves.damping(self.strain), self.ratio))

@@ -363,9 +363,12 @@ fn quiet(
         }
         let (wave, start) = wave
             .with_quiet_start(&corners, scene.start, &limits)
-            .map_err(|error| match lead > 0.0 {
-                true => refused(error).with_help(QUIETER),
-                false => refused(error).with_help(FASTER),
+            .map_err(|error| {
+                if lead > 0.0 {
+                    refused(error).with_help(QUIETER)
+                } else {
+                    refused(error).with_help(FASTER)
+                }
             })?;
         quiet.push((wave, Some(start)));
     }

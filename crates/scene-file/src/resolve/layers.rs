@@ -276,14 +276,15 @@ fn on_planes(ground: &Ground, scene: &Draft) -> Result<Vec<Result<f64, LayerErro
             return Ok(interface);
         };
         let off = (nearest - interface).abs();
-        match off <= tolerance {
-            true => Ok(nearest),
-            false => Err(LayerError::NoPlane {
+        if off <= tolerance {
+            Ok(nearest)
+        } else {
+            Err(LayerError::NoPlane {
                 interface,
                 nearest,
                 off,
                 thickness,
-            }),
+            })
         }
     });
     Ok(moved.collect())
@@ -363,9 +364,12 @@ fn quiet(
             return Err(origin.early(wave.name(), level.largest(), scene));
         }
         let delayed = wave.with_quiet_start(points, scene.start, &limits);
-        let (wave, start) = delayed.map_err(|error| match lead > 0.0 {
-            true => refused(error).with_help(QUIETER),
-            false => refused(error).with_help(FASTER),
+        let (wave, start) = delayed.map_err(|error| {
+            if lead > 0.0 {
+                refused(error).with_help(QUIETER)
+            } else {
+                refused(error).with_help(FASTER)
+            }
         })?;
         quiet.push((wave, Some(start)));
     }

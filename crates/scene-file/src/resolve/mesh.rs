@@ -128,9 +128,10 @@ fn read(path: &Path, options: MeshOptions<'_>) -> Result<FoundMesh, AnyError> {
             })
         });
         Ok(FoundMesh {
-            mesh: match options.straighten {
-                true => mesh.with_straight_edges(),
-                false => mesh,
+            mesh: if options.straighten {
+                mesh.with_straight_edges()
+            } else {
+                mesh
             },
             remarks: changed.into_iter().collect(),
             packed: Some(packed),
@@ -203,9 +204,10 @@ fn unused(nodes: usize, dropped: usize, ungrouped: usize) -> Option<Remark> {
 fn of_gmsh(report: &GmshReport) -> impl Iterator<Item = Remark> {
     let grouped = |group: &GmshGroup| group.dimension == 3 || group.dimension == 1;
     // A mesh without groups is one set.
-    let ungrouped = match report.groups.iter().any(grouped) {
-        true => report.ungrouped_elements,
-        false => 0,
+    let ungrouped = if report.groups.iter().any(grouped) {
+        report.ungrouped_elements
+    } else {
+        0
     };
     let unused = unused(report.dropped_nodes, report.dropped_elements, ungrouped);
     let (lowered, curved) = (report.lowered_elements, report.curved_nodes);
@@ -228,9 +230,10 @@ fn content(curves: usize, collapsed: usize, instances: Vec<(String, u64)>) -> Op
 /// Remarks about an Abaqus input file.
 fn of_inp(report: InpReport) -> Vec<Remark> {
     // A mesh without sets is one set.
-    let ungrouped = match report.has_element_sets {
-        true => report.ungrouped_elements,
-        false => 0,
+    let ungrouped = if report.has_element_sets {
+        report.ungrouped_elements
+    } else {
+        0
     };
     let unused = unused(report.dropped_nodes, 0, ungrouped);
     let (lowered, curved) = (report.lowered_elements, report.curved_nodes);

@@ -248,15 +248,16 @@ fn checkpoints(file: &spec::Checkpoint, scene: &Draft) -> Result<CheckpointPlan,
 
 /// Checks that the first of two numbers is below the second.
 fn ordered(span: core::ops::Range<usize>, [low, high]: [f64; 2]) -> Result<(), Fault> {
-    match low < high {
-        true => Ok(()),
-        false => Err(Fault::new(
+    if low < high {
+        Ok(())
+    } else {
+        Err(Fault::new(
             span,
             Problem::Value {
                 found: format!("[{low}, {high}]"),
                 expected: "two numbers, the lower one first".into(),
             },
-        )),
+        ))
     }
 }
 

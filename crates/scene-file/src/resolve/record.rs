@@ -102,9 +102,10 @@ fn processed(
         // comes once.
         let is_filter = matches!(&*table.baseline, Baseline::HighPass { .. });
         let is_first = target.as_ref().is_some_and(SpectrumOfRecord::has_wavelets) && !is_filter;
-        let (history, baseline) = match is_first {
-            true => corrected(table, history)?,
-            false => (history, None),
+        let (history, baseline) = if is_first {
+            corrected(table, history)?
+        } else {
+            (history, None)
         };
         read.push((part.name, history, (file.warnings, source, baseline)));
     }
@@ -240,9 +241,12 @@ fn files<'t>(
 ) -> Result<Vec<(Part<'t>, powerhouse_records::Record)>, Fault> {
     let name = table.name.to_string();
     let letters = [Component::X, Component::Y, Component::Z].map(Component::letter);
-    let of_letters = |span: core::ops::Range<usize>, found: Vec<Part<'t>>| match found.is_empty() {
-        true => Err(Fault::new(span, Problem::MissingKey { key: "x".into() })),
-        false => Ok(found),
+    let of_letters = |span: core::ops::Range<usize>, found: Vec<Part<'t>>| {
+        if found.is_empty() {
+            Err(Fault::new(span, Problem::MissingKey { key: "x".into() }))
+        } else {
+            Ok(found)
+        }
     };
     let channel = table.channel.as_ref().map(|channel| channel.to_string());
     let parts: Vec<Part> = match (&table.file, &table.components, &table.channels) {

@@ -138,9 +138,10 @@ pub(super) fn field(
     if !scene.magnitudes_allowed {
         let sampled = magnitude::RECORD_STEP.check("time between samples", report.step);
         let peak = report.peak_acceleration;
-        let strong = match peak > 0.0 {
-            true => magnitude::RECORDED_PEAK.check("peak acceleration of the stations", peak),
-            false => Ok(()),
+        let strong = if peak > 0.0 {
+            magnitude::RECORDED_PEAK.check("peak acceleration of the stations", peak)
+        } else {
+            Ok(())
         };
         let checked = sampled.and(strong);
         checked.map_err(|magnitude| Fault::of_magnitude(stations.span(), magnitude))?;

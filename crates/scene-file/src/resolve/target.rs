@@ -73,12 +73,11 @@ impl<'t> SpectrumOfRecord<'t> {
         let factor = self.common_factor(parts.clone())?;
         let count = parts.len();
         let part = |(name, history): (&str, &TimeHistory)| {
-            let matched = match is_horizontal(name, count) {
-                true => {
-                    let matched = history.matched_to_spectrum(&self.target, &self.band);
-                    matched.map(|(matched, report)| (matched, Some(report)))
-                }
-                false => history.scaled(factor).map(|scaled| (scaled, None)),
+            let matched = if is_horizontal(name, count) {
+                let matched = history.matched_to_spectrum(&self.target, &self.band);
+                matched.map(|(matched, report)| (matched, Some(report)))
+            } else {
+                history.scaled(factor).map(|scaled| (scaled, None))
             };
             matched.map(Some).map_err(|error| self.refused(error))
         };

@@ -149,9 +149,10 @@ pub(super) fn tag_tables(node: &mut Node) -> Result<(), Fault> {
         let may_be_text = key == ABSENT.0;
         let is_absent = may_be_text && entry.node.as_text() == Some(ABSENT.1);
         let tagged = TAGGED.contains(&key) && !is_absent;
-        let expected = match may_be_text {
-            true => "a table with the key 'kind', or \"none\"",
-            false => "a table with the key 'kind'",
+        let expected = if may_be_text {
+            "a table with the key 'kind', or \"none\""
+        } else {
+            "a table with the key 'kind'"
         };
         tag(&mut entry.node, tagged.then_some(expected))?;
     }

@@ -88,10 +88,7 @@ macro_rules! words_or_number {
                     }
                     fn visit_f64<E: Error>(self, value: f64) -> Result<$name, E> {
                         let valid: fn(f64) -> bool = $valid;
-                        match value.is_finite() && valid(value) {
-                            true => Ok($name::$number(value)),
-                            false => Err(E::invalid_value(Unexpected::Float(value), &self)),
-                        }
+                        if value.is_finite() && valid(value) { Ok($name::$number(value)) } else { Err(E::invalid_value(Unexpected::Float(value), &self)) }
                     }
                     fn visit_i64<E: Error>(self, value: i64) -> Result<$name, E> {
                         self.visit_f64(value as f64)

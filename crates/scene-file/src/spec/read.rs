@@ -342,9 +342,10 @@ impl<'de> VariantAccess<'de> for Choice<'de> {
             Value::List(items) => items.is_empty(),
             _ => false,
         };
-        match is_empty {
-            true => Ok(()),
-            false => Err(Misfit::value(&node.type_name(), &"an empty table").at(&node.span)),
+        if is_empty {
+            Ok(())
+        } else {
+            Err(Misfit::value(&node.type_name(), &"an empty table").at(&node.span))
         }
     }
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Misfit> {

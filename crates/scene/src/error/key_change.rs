@@ -40,8 +40,9 @@ pub enum KeyChangeError {
 
 /// The beginning of an alternative: names, if there are any.
 fn any_of(names: &[String]) -> String {
-    match names.is_empty() {
-        true => String::new(),
-        false => format!("one of {}, or ", names.join(", ")),
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!("one of {}, or ", names.join(", "))
     }
 }

@@ -91,13 +91,14 @@ impl fmt::Display for SaturatedMaterial {
             100.0 * share,
             seepage.extent,
         )?;
-        match self.is_warning() {
-            true => write!(
+        if self.is_warning() {
+            write!(
                 f,
                 ": the ground is not undrained; where it drains at once leave out `pore_water` and give an in-situ stress without \
                  pressure, and take the two runs as bounds in between"
-            ),
-            false => Ok(()),
+            )
+        } else {
+            Ok(())
         }
     }
 }

@@ -164,9 +164,10 @@ impl SceneStage {
     }
     /// Closing condition of a joint in this stage.
     pub(crate) fn closing(&self, joint: &str) -> Closing {
-        match self.ties(joint) {
-            true => Closing::Tied,
-            false => Closing::Own,
+        if self.ties(joint) {
+            Closing::Tied
+        } else {
+            Closing::Own
         }
     }
     /// Returns whether the stage ties a joint.
@@ -202,8 +203,11 @@ pub(crate) fn renewal(stages: &[SceneStage], index: usize, joint: &str) -> Optio
     if stage.is_some_and(grouts) || (is_tied && !was_tied) {
         return Some(Renewal::Grouted);
     }
-    (was_tied && !is_tied).then(|| match before.iter().any(grouts) {
-        true => Renewal::Grouted,
-        false => Renewal::Released,
+    (was_tied && !is_tied).then(|| {
+        if before.iter().any(grouts) {
+            Renewal::Grouted
+        } else {
+            Renewal::Released
+        }
     })
 }

@@ -382,9 +382,10 @@ impl Staging {
                 *first = first.map(|_| scene.start);
             }
         }
-        let tolerance = match self.renew_materials(&mut state)? {
-            true => RENEWED_TOLERANCE,
-            false => FORCE_TOLERANCE,
+        let tolerance = if self.renew_materials(&mut state)? {
+            RENEWED_TOLERANCE
+        } else {
+            FORCE_TOLERANCE
         };
         let spec = ModelSpec::new(&scene.mesh).start(state);
         let found = scene.moving(spec, &self.pieces, Some(&self.timeline), &mut Vec::new())?;

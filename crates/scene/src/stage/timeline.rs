@@ -393,9 +393,10 @@ impl Progress<'_> {
         let mut of_ground = levels.filter(|(_, in_joints)| !**in_joints);
         let general = of_ground.any(|(level, _)| level.set.is_none());
         if is_dry && (is_undrained || general) {
-            let (key, what) = match is_undrained {
-                true => ("undrained", "an undrained stage"),
-                false => ("water", "a water level"),
+            let (key, what) = if is_undrained {
+                ("undrained", "an undrained stage")
+            } else {
+                ("water", "a water level")
             };
             return Err(StagingError::Dry { key, what });
         }

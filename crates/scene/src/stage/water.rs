@@ -186,9 +186,10 @@ impl WaterSoFar {
             let height = || mesh.centroid(element).z;
             water.as_ref().map(|water| water.pressure(height()))
         };
-        let pressures = match self.renewed.is_empty() {
-            true => None,
-            false => Some((0..).zip(&self.renewed).map(of).collect()),
+        let pressures = if self.renewed.is_empty() {
+            None
+        } else {
+            Some((0..).zip(&self.renewed).map(of).collect())
         };
         WaterAtRest {
             pressures,

@@ -271,9 +271,10 @@ fn registered(
 fn rank(candidates: &mut [Candidate], error: f64) {
     candidates.sort_by(|a, b| {
         let misses = |c: &Candidate| c.predicted.is_nan() || c.predicted > error;
-        let by_cost = match misses(a) {
-            true => core::cmp::Ordering::Equal,
-            false => a.nanoseconds.total_cmp(&b.nanoseconds),
+        let by_cost = if misses(a) {
+            core::cmp::Ordering::Equal
+        } else {
+            a.nanoseconds.total_cmp(&b.nanoseconds)
         };
         (misses(a).cmp(&misses(b)))
             .then(by_cost)

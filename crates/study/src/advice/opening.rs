@@ -196,9 +196,10 @@ impl Opening {
     }
 
     fn faces(&self) -> Vec<String> {
-        let names: &[&str] = match self.absorbing_top {
-            false => &["left", "right", "bottom"],
-            true => &["left", "right", "bottom", "top"],
+        let names: &[&str] = if self.absorbing_top {
+            &["left", "right", "bottom", "top"]
+        } else {
+            &["left", "right", "bottom"]
         };
         names.iter().map(|&name| name.to_owned()).collect()
     }

@@ -49,9 +49,10 @@ impl BoundaryAdvice {
             count => format!("{count} of the others exceed it"),
         };
         let [p, sv] = named.reflected.map(|share| 100.0 * share);
-        let holds = match named.kind.resists_static_loads() {
-            true => "resists static loads",
-            false => "does not resist static loads",
+        let holds = if named.kind.resists_static_loads() {
+            "resists static loads"
+        } else {
+            "does not resist static loads"
         };
         format!(
             "has the least predicted error among those within {limit:.2} % ({others}); at normal incidence on the nearest face it reflects {p:.1} % of P and {sv:.1} % of SV waves, and it {holds}"

@@ -221,9 +221,10 @@ fn excitation(scene: &Scene) -> Result<Excitation, StudyError> {
     }
     let duration = scene.duration();
     if waves.is_empty() {
-        return match scene.is_driven() {
-            true => Ok(Excitation::Loads { duration }),
-            false => Err(StudyError::NoExcitation),
+        return if scene.is_driven() {
+            Ok(Excitation::Loads { duration })
+        } else {
+            Err(StudyError::NoExcitation)
         };
     }
     let arriving = waves.iter().map(|wave| {

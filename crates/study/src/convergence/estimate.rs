@@ -146,9 +146,10 @@ pub(super) fn estimate(values: &[f64], sizes: &[f64], scatter: f64, formal: f64)
     if changes_sign(limited) {
         return without_order(Trend::TooCoarse, safe * spread);
     }
-    let (safety, used) = match (order - formal).abs() <= NEAR_FORMAL * formal {
-        true => (near, formal),
-        false => (safe, limited),
+    let (safety, used) = if (order - formal).abs() <= NEAR_FORMAL * formal {
+        (near, formal)
+    } else {
+        (safe, limited)
     };
     Estimate {
         trend: Trend::Converging,
@@ -168,9 +169,10 @@ fn observed_order(ratio: f64, [coarsest, middle, finest]: [f64; 3]) -> f64 {
     let [mut low, mut high] = SOUGHT;
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
-        match of_order(middle) < ratio {
-            true => low = middle,
-            false => high = middle,
+        if of_order(middle) < ratio {
+            low = middle
+        } else {
+            high = middle
         }
     }
     0.5 * (low + high)

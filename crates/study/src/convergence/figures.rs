@@ -94,9 +94,10 @@ fn peaks(rows: &[PeakSummary], not_compared: &BTreeSet<&'static str>) -> Vec<Fig
         if is_component || not_compared.contains(variable) {
             return None;
         }
-        let value = match row.below_rounding {
-            true => 0.0,
-            false => row.value.abs(),
+        let value = if row.below_rounding {
+            0.0
+        } else {
+            row.value.abs()
         };
         // Instants have no limit with finer meshes.
         if !value.is_finite() || name.ends_with("(instant)") {

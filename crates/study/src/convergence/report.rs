@@ -121,9 +121,12 @@ impl ConvergenceReport {
 
     /// Cells of a result in a table: name, unit, values, extrapolated value, relative band, order, scatter, trend.
     pub fn cells(figure: &ComparedFigure) -> Vec<String> {
-        let percent = |share: f64| match share.is_finite() {
-            true => format!("{:.1} %", 100.0 * share),
-            false => "unknown".into(),
+        let percent = |share: f64| {
+            if share.is_finite() {
+                format!("{:.1} %", 100.0 * share)
+            } else {
+                "unknown".into()
+            }
         };
         let text = |value: Option<f64>| value.map_or(String::new(), rounded);
         let mut cells = vec![figure.name.clone(), figure.unit.clone()];
@@ -234,9 +237,10 @@ pub(super) fn compare(
         let own = own.filter(|other| other.name == figure.name);
         let sampling = own.fold(0.0_f64, |most, other| most.max(other.of_sampling));
         let [motions, others] = FORMAL_ORDERS;
-        let formal = match figure.of_motion && is_linear {
-            true => motions,
-            false => others,
+        let formal = if figure.of_motion && is_linear {
+            motions
+        } else {
+            others
         };
         let largest = |figure: &Figure| {
             let of_kind = plain.iter().flatten();

@@ -249,9 +249,10 @@ impl Window {
         let (length, duration) = (self.length, self.file.duration);
         let whole = length >= duration;
         let predicted = !whole && growth != ErrorGrowth::Unknown;
-        let halves = match self.damped {
-            true => misfits(&first_half(reference), found),
-            false => Vec::new(),
+        let halves = if self.damped {
+            misfits(&first_half(reference), found)
+        } else {
+            Vec::new()
         };
         let mut worst: Option<(f64, String)> = None;
         for misfit in misfits(reference, found) {
@@ -430,9 +431,10 @@ impl Intensities {
         }
         for _ in 0..40 {
             let middle = 0.5 * (slow + fast);
-            match is_slower(middle) {
-                true => slow = middle,
-                false => fast = middle,
+            if is_slower(middle) {
+                slow = middle
+            } else {
+                fast = middle
             }
         }
         slow

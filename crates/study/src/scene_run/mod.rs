@@ -198,9 +198,10 @@ impl<'a> SceneRun<'a> {
         let mut checkpoints =
             RunCheckpoints::new(files, of_writer, self.start, (self.interval, true));
         let resumes = checkpoints.is_resumed();
-        let foreseen = match leads {
-            true => Foreseen::of(&scene, (resumes, folder.is_some()), ranks.count()).map(Some),
-            false => Ok(None),
+        let foreseen = if leads {
+            Foreseen::of(&scene, (resumes, folder.is_some()), ranks.count()).map(Some)
+        } else {
+            Ok(None)
         };
         let Foreseen {
             mut warnings,

@@ -58,9 +58,10 @@ impl RanScene {
     pub fn close(&self) -> Result<(), StudyError> {
         self.require_folder()?;
         let is_complete = self.failure.is_none() && self.results.run.ended != Ended::Stopped;
-        match is_complete {
-            true => self.remove_checkpoints(),
-            false => Ok(()),
+        if is_complete {
+            self.remove_checkpoints()
+        } else {
+            Ok(())
         }
     }
 

@@ -400,9 +400,10 @@ impl Sweep {
                 error.in_case(case)
             })?;
             let mut watch = locked(watch);
-            match reused {
-                true => watch.reused(case),
-                false => watch.ends(&outcome),
+            if reused {
+                watch.reused(case)
+            } else {
+                watch.ends(&outcome)
             }
             self.write_table(shared)?;
             Ok(Some(outcome))

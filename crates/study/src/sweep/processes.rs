@@ -109,9 +109,10 @@ impl SharedFolder {
                 }
                 Err(TryLockError::Error(source)) => return Err(fault(source)),
                 Err(TryLockError::WouldBlock) => {
-                    let patience = match found.starts_with(SWEEP) {
-                        true => OF_SWEEP,
-                        false => OF_RUN,
+                    let patience = if found.starts_with(SWEEP) {
+                        OF_SWEEP
+                    } else {
+                        OF_RUN
                     };
                     if begun.elapsed() > patience {
                         let folder = folder.into();
@@ -171,12 +172,11 @@ impl SharedFolder {
     /// # Errors
     /// [`FolderError::Gone`] if the folder or its lock was removed during the sweep.
     pub(super) fn leave(self) -> Result<(), StudyError> {
-        match self.is_there() {
-            true => Ok(()),
-            false => {
-                let folder = self.folder.clone();
-                Err(Error::from(FolderError::Gone { folder }).into())
-            }
+        if self.is_there() {
+            Ok(())
+        } else {
+            let folder = self.folder.clone();
+            Err(Error::from(FolderError::Gone { folder }).into())
         }
     }
 

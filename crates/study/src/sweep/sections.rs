@@ -66,9 +66,10 @@ pub(super) fn of(results: &Results) -> Vec<SectionExtremes> {
     let utilisation = |sections: &[&str]| {
         let own = uses.iter().filter(|of| sections.contains(&&*of.section));
         let greatest = own.map(|of| of.utilisation).reduce(f64::max)?;
-        Some(match greatest.is_finite() {
-            true => Utilisation::Of(greatest),
-            false => Utilisation::Beyond,
+        Some(if greatest.is_finite() {
+            Utilisation::Of(greatest)
+        } else {
+            Utilisation::Beyond
         })
     };
     let of = |name: &str, sections: &[&str]| {

@@ -230,9 +230,10 @@ fn figures(outcomes: &[&CaseOutcome]) -> Vec<FigureStatistics> {
 pub fn fractile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let [below, above] = [place.floor(), place.ceil()].map(|place| sorted[place as usize]);
-    match below == above {
-        true => below,
-        false => below + (place - place.floor()) * (above - below),
+    if below == above {
+        below
+    } else {
+        below + (place - place.floor()) * (above - below)
     }
 }
 

@@ -195,12 +195,11 @@ impl TradeRunner<'_> {
         let start = RunStart::last(&files, &inputs);
         let kept = (self.checkpoint_interval, false);
         let mut checkpoints = RunCheckpoints::new(files, (&scene, inputs), start, kept);
-        let spent = match checkpoints.is_resumed() {
-            true => SpentTime::read(folder),
-            false => {
-                discard(folder)?;
-                SpentTime::default()
-            }
+        let spent = if checkpoints.is_resumed() {
+            SpentTime::read(folder)
+        } else {
+            discard(folder)?;
+            SpentTime::default()
         };
         checkpoints.report(|event| watch.checkpoint(name, event));
         let mut simulation = scene.prepare()?;

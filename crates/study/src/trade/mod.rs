@@ -206,13 +206,13 @@ impl Trade {
             });
         }
         let is_chosen = |name: &str| names.iter().any(|other| other.as_ref() == name);
-        let factors = self
-            .factors
-            .into_iter()
-            .map(|factor| match is_chosen(factor.name) {
-                true => factor,
-                false => factor.fixed(),
-            });
+        let factors = self.factors.into_iter().map(|factor| {
+            if is_chosen(factor.name) {
+                factor
+            } else {
+                factor.fixed()
+            }
+        });
         self.factors = factors.collect();
         Ok(self)
     }
@@ -281,9 +281,10 @@ impl Trade {
             // An invalid refined scene is an error before anything runs.
             self.refined()?;
         }
-        let most = match self.exhaustive {
-            true => plan::all(&self.factors).len(),
-            false => alone.len() + MOST_COMBINATIONS,
+        let most = if self.exhaustive {
+            plan::all(&self.factors).len()
+        } else {
+            alone.len() + MOST_COMBINATIONS
         };
         let again = usize::from(self.perturbed().is_some());
         let _lock = powerhouse::ResultFolder::new(&self.folder).lock()?;
@@ -461,9 +462,10 @@ impl Trade {
         let of_one = cost::StepTimer::of(&mut simulation)?
             .time_of_step()?
             .mul_f64(steps);
-        let (all, refined) = match self.mesh_error {
-            true => (runs + 1, of_one * OF_HALF_THE_SIZE.0 * OF_HALF_THE_SIZE.1),
-            false => (runs, Duration::ZERO),
+        let (all, refined) = if self.mesh_error {
+            (runs + 1, of_one * OF_HALF_THE_SIZE.0 * OF_HALF_THE_SIZE.1)
+        } else {
+            (runs, Duration::ZERO)
         };
         watch.before(all, self.window, of_one * runs as u32 + refined);
         Ok(())

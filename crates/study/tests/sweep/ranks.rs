@@ -22,16 +22,13 @@ fn on_ranks(folder: &Folder, ranks: usize, stop: &Arc<AtomicBool>) -> Led {
         let mut count = Count::default();
         let sweep = folder.sweep().on_ranks(engine);
         let found = sweep.run(Some(stop), &mut count);
-        match leads {
-            true => {
-                let outcomes = found.map_err(|error| error.to_string());
-                Ok(Some(Led { outcomes, count }))
-            }
-            false => {
-                assert_eq!(found.unwrap(), []);
-                assert!(count.ended.is_empty() && count.failed.is_empty());
-                Ok(None)
-            }
+        if leads {
+            let outcomes = found.map_err(|error| error.to_string());
+            Ok(Some(Led { outcomes, count }))
+        } else {
+            assert_eq!(found.unwrap(), []);
+            assert!(count.ended.is_empty() && count.failed.is_empty());
+            Ok(None)
         }
     });
     let found = found.into_iter().map(Result::unwrap);

@@ -162,9 +162,10 @@ fn rock_facets(cells: &Cells, cell: [usize; 3], facets: &mut BTreeMap<String, Ve
             continue;
         }
         put(format!("joint_{}", part.name()));
-        let cavern = match part.is_in_transformer() {
-            true => "transformer",
-            false => "main",
+        let cavern = if part.is_in_transformer() {
+            "transformer"
+        } else {
+            "main"
         };
         if step[0] != 0 {
             put(format!("walls_{cavern}"));

@@ -65,9 +65,10 @@ impl fmt::Display for Conclusion {
             number => write!(f, "conclusion.{number}")?,
         }
         write!(f, ".{} = {}", self.key, self.verdict)?;
-        match self.figures.is_empty() {
-            true => Ok(()),
-            false => write!(f, " ({})", self.figures),
+        if self.figures.is_empty() {
+            Ok(())
+        } else {
+            write!(f, " ({})", self.figures)
         }
     }
 }

@@ -66,12 +66,13 @@ impl Series {
         let missing: Vec<String> = (found.iter())
             .filter_map(|value| value.as_ref().err().cloned())
             .collect();
-        match missing.is_empty() {
-            true => Ok(Self {
+        if missing.is_empty() {
+            Ok(Self {
                 angles: angles.to_vec(),
                 values: found.into_iter().flatten().collect(),
-            }),
-            false => Err(missing),
+            })
+        } else {
+            Err(missing)
         }
     }
 
@@ -107,8 +108,9 @@ impl Series {
 
 /// The verdict on a claim that holds or not.
 pub(super) fn verdict(holds: bool) -> Verdict {
-    match holds {
-        true => Verdict::Confirmed,
-        false => Verdict::NotConfirmed,
+    if holds {
+        Verdict::Confirmed
+    } else {
+        Verdict::NotConfirmed
     }
 }

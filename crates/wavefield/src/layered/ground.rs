@@ -279,9 +279,12 @@ impl Ground {
     /// Greatest speed of the waves that a horizontal slowness meets, shear waves alone or both kinds,
     /// of frequencies up to a given one (Hz).
     pub(crate) fn fastest(&self, shear: bool, highest: f64) -> f64 {
-        let speed = |medium: &ElasticMedium| match shear {
-            true => medium.s_speed(),
-            false => medium.p_speed(),
+        let speed = |medium: &ElasticMedium| {
+            if shear {
+                medium.s_speed()
+            } else {
+                medium.p_speed()
+            }
         };
         let layers = self.layers.iter();
         let speeds = layers.map(|layer| speed(&layer.medium) * layer.damping.fastest(highest));

@@ -140,8 +140,11 @@ fn missed(tables: &LayeredTables, keys: &[i64], key: i64) -> Result<[f64; 3], Wa
             worst[k / 2] = worst[k / 2].max((own[k] - mixed[k]).abs());
         }
     }
-    Ok(core::array::from_fn(|k| match tables.peaks[k] > 0.0 {
-        true => worst[k] / tables.peaks[k],
-        false => 0.0,
+    Ok(core::array::from_fn(|k| {
+        if tables.peaks[k] > 0.0 {
+            worst[k] / tables.peaks[k]
+        } else {
+            0.0
+        }
     }))
 }

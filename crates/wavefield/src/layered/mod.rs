@@ -302,9 +302,10 @@ impl LayeredWave {
             None => self.heights_of(points),
         };
         let damped = self.parameters.ground.layers().iter();
-        let share = match damped.clone().all(|layer| layer.damping.is_none()) {
-            true => 2,
-            false => 3,
+        let share = if damped.clone().all(|layer| layer.damping.is_none()) {
+            2
+        } else {
+            3
         };
         Ok(self.tables.bytes_of_spectra() + count * self.tables.most_bytes() * share / 2)
     }

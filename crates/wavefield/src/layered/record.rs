@@ -118,9 +118,10 @@ pub(crate) fn incident(
     if still < 1e-12 {
         return Err(weak(still, LEAST_TRANSFER));
     }
-    let (found, report) = match is_exact {
-        true => causal_incident_of(&*signal, &of_height, arriving.until)?,
-        false => incident_of(&*signal, &of_height, regularisation)?,
+    let (found, report) = if is_exact {
+        causal_incident_of(&*signal, &of_height, arriving.until)?
+    } else {
+        incident_of(&*signal, &of_height, regularisation)?
     };
     if regularisation == 0.0 && report.least_transfer < LEAST_TRANSFER {
         return Err(weak(report.least_transfer, LEAST_TRANSFER));

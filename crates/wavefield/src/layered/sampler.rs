@@ -126,9 +126,10 @@ impl LayeredSampler {
             let [a, b] = components.map(|component| statics.value(component, time));
             return ([a.0, b.0], [a.1, b.1]);
         }
-        match time > table.start {
-            true => (self.of.remaining, [0.0; 2]),
-            false => ([0.0; 2], [0.0; 2]),
+        if time > table.start {
+            (self.of.remaining, [0.0; 2])
+        } else {
+            ([0.0; 2], [0.0; 2])
         }
     }
 

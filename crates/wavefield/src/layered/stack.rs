@@ -269,9 +269,10 @@ impl Stack {
     ) -> [StackWave; WAVES] {
         let columns = self.columns(index, frequency);
         // The incident wave passes a depth of the half-space earlier; the state is given after its own arrival.
-        let earlier = match index == self.count() {
-            true => frequency * columns.slowness[self.incident],
-            false => ZERO,
+        let earlier = if index == self.count() {
+            frequency * columns.slowness[self.incident]
+        } else {
+            ZERO
         };
         let n = self.order;
         core::array::from_fn(|wave| {
@@ -289,9 +290,12 @@ impl Stack {
             };
             StackWave {
                 phase,
-                state: core::array::from_fn(|row| match row >= n {
-                    true => vectors[row][kind] * amplitude * self.scale,
-                    false => vectors[row][kind] * amplitude,
+                state: core::array::from_fn(|row| {
+                    if row >= n {
+                        vectors[row][kind] * amplitude * self.scale
+                    } else {
+                        vectors[row][kind] * amplitude
+                    }
                 }),
             }
         })
@@ -299,9 +303,10 @@ impl Stack {
 
     /// Distances (m) that the waves of a layer have travelled at a depth below its top.
     pub(crate) fn distances(&self, (index, depth): (usize, f64)) -> [f64; WAVES] {
-        let up = match index == self.count() {
-            true => 0.0,
-            false => self.layers[index].thickness - depth,
+        let up = if index == self.count() {
+            0.0
+        } else {
+            self.layers[index].thickness - depth
         };
         [up, depth, up, depth]
     }
@@ -344,9 +349,10 @@ pub(crate) fn transfer(
     stack.amplitudes(frequency, &mut amplitudes);
     let state = stack.state((index, depth), &amplitudes[index], frequency);
     // A state in the half-space is that after the arrival of the incident wave there.
-    let advance = match index == stack.count() {
-        true => stack.columns(index, frequency).slowness[stack.incident].re * depth,
-        false => 0.0,
+    let advance = if index == stack.count() {
+        stack.columns(index, frequency).slowness[stack.incident].re * depth
+    } else {
+        0.0
     };
     let earlier = propagated(frequency * -advance);
     state.map(|value| value * earlier)
@@ -361,13 +367,15 @@ pub(crate) fn propagated(phase: Complex) -> Complex {
 fn root(square: Complex) -> Complex {
     let norm = square.norm_sqr().sqrt();
     let greater = (0.5 * (norm + square.re.abs())).sqrt();
-    let lesser = match greater > 0.0 {
-        true => 0.5 * square.im.abs() / greater,
-        false => 0.0,
+    let lesser = if greater > 0.0 {
+        0.5 * square.im.abs() / greater
+    } else {
+        0.0
     };
-    match square.re >= 0.0 {
-        true => Complex::new(greater, lesser.copysign(square.im)),
-        false => Complex::new(lesser, greater.copysign(square.im)),
+    if square.re >= 0.0 {
+        Complex::new(greater, lesser.copysign(square.im))
+    } else {
+        Complex::new(lesser, greater.copysign(square.im))
     }
 }
 

@@ -87,9 +87,10 @@ impl Factor {
     #[inline(always)]
     fn follow(&mut self, phase: Complex) -> Complex {
         let change = (phase - self.phase) * self.distance;
-        self.value = match change.re.abs() + change.im.abs() <= SMALL {
-            true => self.value * series(Complex::new(change.im, -change.re)),
-            false => propagated(phase * self.distance),
+        self.value = if change.re.abs() + change.im.abs() <= SMALL {
+            self.value * series(Complex::new(change.im, -change.re))
+        } else {
+            propagated(phase * self.distance)
         };
         self.phase = phase;
         self.value

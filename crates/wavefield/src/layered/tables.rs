@@ -90,10 +90,8 @@ pub(crate) struct Probe {
 impl Probe {
     /// Values over the peaks (1).
     pub(crate) fn shares(&self, values: [f64; 3]) -> [f64; 3] {
-        core::array::from_fn(|k| match self.peaks[k] > 0.0 {
-            true => values[k] / self.peaks[k],
-            false => 0.0,
-        })
+        let share = |k: usize| (self.peaks[k] > 0.0).then(|| values[k] / self.peaks[k]);
+        core::array::from_fn(|k| share(k).unwrap_or(0.0))
     }
 }
 
@@ -228,9 +226,10 @@ impl LayeredTables {
             for (kind, (histories, rest)) in kinds.into_iter().enumerate() {
                 for (values, rest) in histories.iter().zip(rest) {
                     probe.peaks[kind] = probe.peaks[kind].max(peak(values, valid));
-                    let first = match self.window.causal {
-                        true => &[][..],
-                        false => &values[..edge],
+                    let first = if self.window.causal {
+                        &[][..]
+                    } else {
+                        &values[..edge]
                     };
                     let edges = values[valid - edge..valid].iter().chain(first);
                     let left = edges.fold(0.0f64, |m, v| m.max((v - rest).abs()));
@@ -482,9 +481,10 @@ impl LayeredTables {
             step: self.window.step,
         };
         for row in 0..2 * n {
-            let [value, rate] = match row < n {
-                true => [displacement, velocity],
-                false => [velocity, acceleration],
+            let [value, rate] = if row < n {
+                [displacement, velocity]
+            } else {
+                [velocity, acceleration]
             };
             histories.values.push(of(row, value));
             histories.rates.push(of(row, rate));

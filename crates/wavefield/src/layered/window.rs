@@ -62,9 +62,10 @@ impl Window {
     }
     /// Number of samples that can be used.
     pub(crate) fn valid(&self) -> usize {
-        match self.causal {
-            true => (USED * self.length as f64) as usize,
-            false => self.length,
+        if self.causal {
+            (USED * self.length as f64) as usize
+        } else {
+            self.length
         }
     }
 }
@@ -155,9 +156,10 @@ impl Arriving<'_> {
             let window = Window {
                 length: samples,
                 step,
-                first: match causal {
-                    true => support.start,
-                    false => support.start - BEFORE * duration,
+                first: if causal {
+                    support.start
+                } else {
+                    support.start - BEFORE * duration
                 },
                 causal,
                 growth: decay / duration,
@@ -207,9 +209,10 @@ impl Arriving<'_> {
         let support = self.signal.support();
         let stack = Stack::new(self.ground, self.kind, self.slowness());
         let motion = self.reflection.surface_motion();
-        let statics = match self.reflection.past_critical() {
-            true => Some(StaticPart::new(self.signal, motion)?),
-            false => None,
+        let statics = if self.reflection.past_critical() {
+            Some(StaticPart::new(self.signal, motion)?)
+        } else {
+            None
         };
         let end = self.signal.motion(support.end + support.step).displacement;
         let remaining = match (window.causal, stack.order) {

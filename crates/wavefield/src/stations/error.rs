@@ -116,11 +116,10 @@ fn extents(none: bool, [stations, points]: &[[f64; 3]; 2]) -> String {
     }
     let longest = |lengths: &[f64; 3]| lengths.iter().fold(0.0_f64, |a, b| a.max(*b));
     let ratio = longest(stations) / longest(points);
-    let unit = match UNITS.contains(&ratio) || UNITS.contains(&ratio.recip()) {
-        true => {
-            ", a thousand times as much: are coordinates in km taken as m, or the other way round?"
-        }
-        false => "",
+    let unit = if UNITS.contains(&ratio) || UNITS.contains(&ratio.recip()) {
+        ", a thousand times as much: are coordinates in km taken as m, or the other way round?"
+    } else {
+        ""
     };
     let edges = |lengths: &[f64; 3]| lengths.map(|length| format!("{length:.4}")).join(" x ");
     format!(

@@ -292,15 +292,17 @@ impl Samples {
                 }
             }
             end_displacement = end_displacement.max(self.displacement(station, last).norm());
-            let velocity = match self.has_velocity {
-                true => self.velocity(station, last),
-                false => self.between(station, (last - 1, last), 1.0).1,
+            let velocity = if self.has_velocity {
+                self.velocity(station, last)
+            } else {
+                self.between(station, (last - 1, last), 1.0).1
             };
             end_velocity = end_velocity.max(velocity.norm());
         }
-        let (interpolation, ratio) = match self.has_velocity {
-            true => (StationInterpolation::Hermite, 16.0),
-            false => (StationInterpolation::Linear, 4.0),
+        let (interpolation, ratio) = if self.has_velocity {
+            (StationInterpolation::Hermite, 16.0)
+        } else {
+            (StationInterpolation::Linear, 4.0)
         };
         StationReport {
             stations,
@@ -309,9 +311,10 @@ impl Samples {
             start: self.start,
             end: self.start + last as f64 * self.step,
             interpolation,
-            error: match peak_displacement > 0.0 {
-                true => missed / ratio / peak_displacement,
-                false => 0.0,
+            error: if peak_displacement > 0.0 {
+                missed / ratio / peak_displacement
+            } else {
+                0.0
             },
             peak_displacement,
             peak_acceleration: change,
@@ -344,12 +347,13 @@ impl Samples {
             }
         }
         let (off, station) = worst;
-        match off > OTHER_VELOCITY * peak {
-            true => Err(StationError::OtherVelocity {
+        if off > OTHER_VELOCITY * peak {
+            Err(StationError::OtherVelocity {
                 station,
                 share: off / peak,
-            }),
-            false => Ok(()),
+            })
+        } else {
+            Ok(())
         }
     }
 }
