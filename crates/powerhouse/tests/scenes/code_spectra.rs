@@ -137,7 +137,7 @@ fn a_record_that_drifts_is_matched() {
         Remark::Record(remark::Record { baseline, .. }) => *baseline,
         _ => None,
     });
-    // The whole drift is told, and what both corrections changed.
+    // The drift of the record is shown, and what its correction changed.
     let baseline = baseline.unwrap();
     assert!(baseline.largest_change > 0.5 && baseline.before.end_velocity < -0.5);
     assert!(baseline.after.end_displacement.abs() < 1e-3);

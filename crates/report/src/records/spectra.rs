@@ -59,16 +59,12 @@ fn paragraph(spectra: &SetSpectra) -> String {
     let Some(target) = &spectra.target else {
         return format!("{count} records, which are brought to no spectrum.");
     };
-    let [from, to] = target.band;
-    let [from, to] = [from, to].map(rounded);
-    let all = format!(
-        "{count} records, brought to {} from {from} to {to} s",
-        target.name
-    );
-    match spectra.fit() {
-        Some(_) => format!("{all}; {spectra}."),
-        None => format!("{all}."),
+    let mut text = spectra.to_string();
+    if text.is_empty() {
+        return format!("{count} records, brought to {}.", target.name);
     }
+    text[..1].make_ascii_uppercase();
+    text + "."
 }
 
 fn draw(spectra: &SetSpectra, file: &Path) -> Result<(), StudyError> {

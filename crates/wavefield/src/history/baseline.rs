@@ -77,14 +77,12 @@ pub struct BaselineReport {
 }
 
 impl BaselineReport {
-    /// Report of two corrections between which the record was changed on purpose: the changes add up as shares of the peaks before
-    /// each, given in units of the first one.
+    /// Report of two corrections between which the record was changed on purpose. The change is that of the first one; the second one
+    /// corrects what has been added.
     #[must_use]
     pub fn followed_by(self, second: &Self) -> Self {
-        let scale = self.before.peak_acceleration / second.before.peak_acceleration;
         Self {
             after: second.after,
-            largest_change: self.largest_change + scale * second.largest_change,
             leading_pad: self.leading_pad + second.leading_pad,
             ..self
         }
