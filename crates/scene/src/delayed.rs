@@ -379,7 +379,7 @@ impl Scene {
         for part in &self.parts {
             let set = &part.set;
             if matches!(part.damping, Damping::Flat { .. }) {
-                let way = "give the part Rayleigh damping proportional to mass, or none";
+                let way = "give the part, and a layer of it, Rayleigh damping proportional to mass, or none, and no `strain_curves`";
                 return Err(with(format!("the flat damping of part '{set}'"), way));
             }
             if part.damping.rayleigh().stiffness != 0.0 || part.high != 0.0 {
@@ -439,7 +439,8 @@ impl Scene {
             ));
         }
         let along = Vec3::y();
-        let holds_along = |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along) != 0.0);
+        let holds_along =
+            |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along).abs() > 1e-9);
         if self
             .supports
             .iter()

@@ -162,6 +162,7 @@ impl FreeFieldCheck {
                 composed = composed.with_delayed_sides(pairs.clone());
                 // Their slowness is that of the waves of which the field is the sum.
                 composed.waves = scene.plane_waves().to_vec();
+                composed.layered = scene.layered_waves().to_vec();
             }
             if let Some(threads) = scene.threads() {
                 composed = composed.with_threads(threads);

@@ -29,6 +29,31 @@ fn the_box_of_a_layered_site_has_its_layers() {
     assert!(displacement.fold(0.0, f64::max) < 0.04 && report.largest() < 0.06);
 }
 
+/// So does the box of a slice with delayed sides under the same wave at an azimuth of 60 degrees.
+#[test]
+fn the_box_of_a_layered_slice_has_its_layers() {
+    let folder = TestFolder::new("layered-slice");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data");
+    let scene = std::fs::read_to_string(data.join("scenes/layered_site.toml")).unwrap();
+    let mesh = data.join("meshes/layered_site.msh");
+    let text = scene.replace("../meshes/layered_site.msh", &mesh.display().to_string());
+    let rollers = "[[support]]\nkind = \"roller\"\nset = \"front\"\n[[support]]\nkind = \"roller\"\nset = \"back\"\n";
+    let delayed = "[[support]]\nkind = \"delayed\"\nfrom = \"front\"\nto = \"back\"\n";
+    assert!(text.contains(rollers));
+    let text = text.replacen(rollers, delayed, 1);
+    let text = text.replacen("kind = \"sv\"", "kind = \"sv\"\nazimuth = 60", 1);
+    std::fs::write(folder.join("slice.toml"), text).unwrap();
+    let scene = FileScene::from_file(folder.join("slice.toml"))
+        .unwrap()
+        .into_scene();
+    let check = FreeFieldCheck::of(&scene).unwrap();
+    let report = check.run(0.0, RunHooks::default()).unwrap();
+    println!("{report:?}");
+    assert_eq!(report.cells[1], 1);
+    let displacement = report.points.iter().map(|point| point.displacement);
+    assert!(displacement.fold(0.0, f64::max) < 0.04 && report.largest() < 0.06);
+}
+
 /// Motions at stations have no stress, which the boundary of the box needs: the check refuses them by name.
 #[test]
 fn a_field_without_stress_is_refused() {

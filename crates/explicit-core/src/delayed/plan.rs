@@ -244,12 +244,15 @@ fn is_bare(group: &NodeGroup) -> bool {
     group.mass_damping == 0.0 && matrices.into_iter().all(|matrix| *matrix == Mat3::zeros())
 }
 
+/// Components of a unit vector below which it is along an axis: rounding of normals of facets.
+const ALONG: f64 = 1e-9;
+
 /// The fixed axes of a group; none if a fixed direction is no coordinate axis.
 fn fixed_axes(group: &NodeGroup) -> Option<Axes> {
     let mut held = [false; 3];
     for direction in group.condition.directions() {
         let axis = direction.iamax();
-        if direction.abs().sum() != direction[axis].abs() {
+        if direction.abs().sum() - direction[axis].abs() > ALONG {
             return None;
         }
         held[axis] = true;

@@ -134,6 +134,9 @@ impl<'t> SpectrumOfRecord<'t> {
             misfit: misfit.map_err(|error| self.refused(error))?,
             factor: wavelets.map_or(factor, |report| report.factor),
             arias: history.arias_intensity(),
+            motion: history.report(),
+            end: history.acceleration().last().map_or(0.0, |last| last.abs())
+                / history.report().peak_acceleration,
             wavelets,
         })
     }
