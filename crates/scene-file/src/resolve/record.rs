@@ -341,7 +341,7 @@ fn cut(table: &Record, mut history: TimeHistory) -> Result<TimeHistory, Fault> {
 }
 
 /// Greatest number of times that a record is matched, each time with a correction of its baseline behind it.
-const MOST_MATCHES: usize = 3;
+const MOST_MATCHES: usize = 6;
 
 /// Report of a correction after earlier ones.
 fn followed(
