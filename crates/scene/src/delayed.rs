@@ -20,6 +20,8 @@ const MOST_SHARE: f64 = 0.5;
 const SAME: f64 = 1e-6;
 /// Slowness along y, over that of the wave, below which it travels across y: rounding.
 const ACROSS: f64 = 1e-12;
+/// Component along y of the unit vector that a support holds below which it does not hold y: rounding of normals of facets.
+const HELD: f64 = 1e-9;
 
 /// Why a slice with delayed sides is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -166,18 +168,15 @@ impl<'s> SliceWave<'s> {
     fn layered(wave: &'s LayeredWave) -> Self {
         let parameters = wave.parameters();
         let (kind, ground) = (parameters.kind, &parameters.ground);
-        let speed = kind.speed(&ground.half_space());
         let layers = ground.layers().iter().map(|layer| &layer.medium);
         let speeds = layers.map(|medium| fastest(kind).speed(medium));
-        let (across, along) = parameters.azimuth.radians().sin_cos();
-        let (sine, cosine) = parameters.incidence.radians().sin_cos();
         Self {
             name: IncidentField::name(wave),
             kind,
             azimuth: parameters.azimuth,
-            speed,
+            speed: kind.speed(&ground.half_space()),
             fastest: speeds.fold(fastest(kind).speed(&ground.half_space()), f64::max),
-            along_y: along_y(Vec3::new(sine * along, sine * across, cosine) / speed),
+            along_y: along_y(parameters.slowness()),
             is_causal: wave.is_causal(),
         }
     }
@@ -440,7 +439,7 @@ impl Scene {
         }
         let along = Vec3::y();
         let holds_along =
-            |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along).abs() > 1e-9);
+            |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along).abs() > HELD);
         if self
             .supports
             .iter()

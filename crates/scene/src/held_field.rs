@@ -216,18 +216,17 @@ impl Scene {
     /// Least apparent speed (m/s) of the plane waves of the field along a unit direction; none if it is no sum of such
     /// waves, or if they travel across the direction.
     fn apparent_speed(&self, along: &Vec3) -> Option<f64> {
-        let slowness = self.waves.iter().map(|wave| {
-            let parameters = wave.parameters();
-            let share = parameters.direction().dot(along).abs();
-            (share > ACROSS).then(|| share / parameters.kind.speed(&parameters.medium))
+        let homogeneous = self.waves.iter().map(|wave| wave.parameters().slowness());
+        let layered = self.layered.iter().map(|wave| wave.parameters().slowness());
+        let shares = homogeneous.chain(layered).map(|slowness| {
+            let share = slowness.dot(along).abs();
+            if share > ACROSS * slowness.norm() {
+                share
+            } else {
+                0.0
+            }
         });
-        let in_layers = self.layered.iter().map(|wave| {
-            let (across, first) = wave.parameters().azimuth.radians().sin_cos();
-            let share = (first * along.x + across * along.y).abs();
-            let slowness = share * wave.report().horizontal_slowness;
-            (share > ACROSS && slowness > 0.0).then_some(slowness)
-        });
-        let greatest = slowness.chain(in_layers).flatten().fold(0.0_f64, f64::max);
+        let greatest = shares.fold(0.0_f64, f64::max);
         (greatest > 0.0).then(|| 1.0 / greatest)
     }
 }

@@ -73,9 +73,7 @@ impl PlaneWaveParameters {
 
     /// Unit vector of the incident wave's direction of travel.
     pub fn direction(&self) -> Vec3 {
-        let (sine, cosine) = self.incidence.radians().sin_cos();
-        let (across, along) = self.azimuth.radians().sin_cos();
-        Vec3::new(sine * along, sine * across, cosine)
+        direction(self.incidence, self.azimuth)
     }
 
     /// Slowness of the incident wave (s/m): its direction of travel over its speed. Its horizontal components are those of
@@ -83,6 +81,13 @@ impl PlaneWaveParameters {
     pub fn slowness(&self) -> Vec3 {
         self.direction() / self.kind.speed(&self.medium)
     }
+}
+
+/// Unit vector of the direction of travel of a wave that comes from below.
+pub(crate) fn direction(incidence: Angle, azimuth: Angle) -> Vec3 {
+    let (sine, cosine) = incidence.radians().sin_cos();
+    let (across, along) = azimuth.radians().sin_cos();
+    Vec3::new(sine * along, sine * across, cosine)
 }
 
 /// Corner of the box from `low` to `high` that a plane wave of the given direction reaches first.

@@ -92,16 +92,16 @@ fn processed(
 ) -> Result<Vec<(String, PreparedRecord)>, Fault> {
     let name = table.name.span();
     let target = SpectrumOfRecord::of(table)?;
+    // Wavelets match a record that has its baseline already, so that little is left to be corrected behind them; a filter
+    // comes once.
+    let has_wavelets = target.as_ref().is_some_and(SpectrumOfRecord::has_wavelets);
+    let is_first = has_wavelets && !correction(&table.baseline).is_filter();
     let mut read = Vec::new();
     for (part, file) in files(source, table)? {
         let source = described(&file);
         let history = TimeHistory::new(file.step, file.samples)
             .map_err(|error| Fault::refused(part.file.span(), error))?;
         let history = cut(table, history)?;
-        // Wavelets match a record that has its baseline already, so that little is left to be corrected behind them; a filter
-        // comes once.
-        let is_filter = matches!(&*table.baseline, Baseline::HighPass { .. });
-        let is_first = target.as_ref().is_some_and(SpectrumOfRecord::has_wavelets) && !is_filter;
         let (history, baseline) = if is_first {
             corrected(table, history)?
         } else {
@@ -477,8 +477,7 @@ const LARGE_CORRECTION: f64 = 0.05;
 pub(super) fn large_correction(name: &str, record: &PreparedRecord) -> Option<Remark> {
     let report = record.baseline?;
     let share = report.largest_change / report.before.peak_acceleration;
-    let is_filter = matches!(report.correction, BaselineCorrection::HighPass { .. });
-    (!is_filter && share > LARGE_CORRECTION).then(|| {
+    (!report.correction.is_filter() && share > LARGE_CORRECTION).then(|| {
         Remark::from(remark::LargeCorrection {
             name: name.into(),
             share,

@@ -128,15 +128,16 @@ impl<'t> SpectrumOfRecord<'t> {
         wavelets: Option<MatchReport>,
     ) -> Result<RecordSpectrumReport, Fault> {
         let misfit = history.misfit(&self.target, &self.band);
+        let motion = history.report();
         Ok(RecordSpectrumReport {
             target: self.target.clone(),
             band: [self.band.shortest, self.band.longest],
             misfit: misfit.map_err(|error| self.refused(error))?,
             factor: wavelets.map_or(factor, |report| report.factor),
             arias: history.arias_intensity(),
-            motion: history.report(),
+            motion,
             end: history.acceleration().last().map_or(0.0, |last| last.abs())
-                / history.report().peak_acceleration,
+                / motion.peak_acceleration,
             wavelets,
         })
     }

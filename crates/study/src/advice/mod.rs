@@ -316,9 +316,8 @@ fn predictions(
                         lines: Vec::new(),
                         highest: of_radius,
                     };
-                    Opening::of(problem, farther, &band)?
-                        .within(most_work)
-                        .errors(Source::Pressure, kinds)?
+                    let opening = Opening::of(problem, farther, &band, most_work)?;
+                    opening.errors(Source::Pressure, kinds)?
                 }
             };
             Ok(Predictions {
@@ -328,7 +327,7 @@ fn predictions(
             })
         }
         Excitation::Waves { waves, band } => {
-            let opening = Opening::of(problem, farther, band)?.within(most_work);
+            let opening = Opening::of(problem, farther, band, most_work)?;
             let mut worst = vec![0.0_f64; kinds.len()];
             let mut model = None;
             for wave in waves {

@@ -17,7 +17,6 @@ use powerhouse::{
     TimeStep,
 };
 
-use super::MOST_WORK;
 use super::band::Band;
 use super::candidate::{BoundaryKind, Surroundings};
 use super::setting::{ArrivingWave, BoundaryProblem};
@@ -71,11 +70,12 @@ pub(super) struct Opening {
 
 impl Opening {
     /// The substitute model of a scene with the distances of the faces multiplied by `farther`, for waves of a
-    /// frequency band.
+    /// frequency band, with a greatest product of elements and steps of its reference.
     pub(super) fn of(
         problem: &BoundaryProblem,
         farther: f64,
         band: &Band,
+        most_work: f64,
     ) -> Result<Self, StudyError> {
         let radius = problem.radius.ok_or(StudyError::NoBoundary)?;
         let half_width = problem.half_width().ok_or(StudyError::NoBoundary)? * farther;
@@ -125,13 +125,8 @@ impl Opening {
             surroundings,
             absorbing_top: above > 0.0,
             band: band.up_to(s_speed / (PER_WAVELENGTH * brick)),
-            most_work: MOST_WORK,
+            most_work,
         })
-    }
-
-    /// The model with another greatest product of elements and steps of its reference.
-    pub(super) fn within(self, most_work: f64) -> Self {
-        Self { most_work, ..self }
     }
 
     /// Highest frequency that the mesh resolves (Hz).

@@ -379,8 +379,9 @@ impl FigureStatistics {
 /// Tables of the fractiles at each scale, and the fragility curves, for a terminal.
 impl fmt::Display for SetStatistics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(spectra) = self.spectra.as_ref().filter(|of| of.fit().is_some()) {
-            writeln!(f, "{spectra}")?;
+        let fit = self.spectra.as_ref().map(ToString::to_string);
+        if let Some(fit) = fit.filter(|fit| !fit.is_empty()) {
+            writeln!(f, "{fit}")?;
         }
         for scale in &self.scales {
             let all = scale.finished + scale.missing.len();

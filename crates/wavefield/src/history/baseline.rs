@@ -59,6 +59,11 @@ impl BaselineCorrection {
             Self::HighPass { .. } => "high-pass",
         }
     }
+
+    /// Whether the correction is a filter, which is meant to change a record and makes it longer.
+    pub fn is_filter(&self) -> bool {
+        matches!(self, Self::HighPass { .. })
+    }
 }
 
 /// Effect of a baseline correction on a record.

@@ -29,6 +29,7 @@ pub use tables::LayeredTablesReport;
 use tables::{LayeredTables, Table};
 use window::Arriving;
 
+use crate::wave::direction;
 use crate::{
     Angle, Complex, InputConvention, InputConversion, Signal, SignalSupport, SurfaceReflection,
     WaveError, WaveKind,
@@ -84,6 +85,12 @@ impl LayeredWaveParameters {
 }
 
 impl LayeredWaveParameters {
+    /// Slowness of the incident wave (s/m) in the half-space: its direction of travel over its speed. Its horizontal components are
+    /// those of all waves in the layers, too.
+    pub fn slowness(&self) -> Vec3 {
+        direction(self.incidence, self.azimuth) / self.kind.speed(&self.ground.half_space())
+    }
+
     /// Time (s) at which the incident wave, or the first wave that it lets into the layers, has the signal's
     /// time zero at a point; in layers that of the top of the half-space below the point.
     pub fn arrival_at(&self, point: &Vec3) -> f64 {
