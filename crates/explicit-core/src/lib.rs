@@ -124,6 +124,7 @@
 //! computed as such, and refused where it is unstable.
 
 mod applied;
+mod bay;
 mod condition;
 mod constrained;
 mod delayed;

@@ -176,7 +176,9 @@ impl Partition {
             hash.add_number(block.owned as u64);
             hash.add_number(block.nodes.len() as u64);
             for &node in &block.nodes {
-                hash.add_number(mesh.node_tags()[node as usize]);
+                // Copies of nodes in a bay have their index.
+                let tag = mesh.node_tags().get(node as usize).copied();
+                hash.add_number(tag.unwrap_or(u64::from(node)));
             }
         }
         hash.value()

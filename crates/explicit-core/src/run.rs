@@ -402,7 +402,7 @@ impl TimeLoop<'_> {
         }
         self.model.ranks.agree_to_go_on()?;
         let limit = self.energy.and_then(|check| check.limit);
-        let yields = || self.model.delayed.is_some() && !self.model.is_linear();
+        let yields = || self.model.is_delayed() && !self.model.is_linear();
         let limit = limit.unwrap_or(match self.model.precision {
             Precision::F64 if yields() => DELAYED_LIMIT,
             Precision::F64 => 1e-7,

@@ -23,6 +23,8 @@ const BODY: &str = "body";
 
 /// Section of the motion of a slice whose sides are delayed against each other.
 const SLICE: &str = "slice";
+/// Section of the motion of a bay of an endless row.
+const BAY: &str = "bay";
 
 /// Readings of the energy ledger so far.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -219,6 +221,9 @@ impl Model {
                 encode(&(&slice.motion, &slice.work)),
             )?;
         }
+        if let Some(bay) = &self.bay {
+            add(&mut saved, BAY.into(), encode(&bay.motion))?;
+        }
         let mut parts = SavedRun::default();
         let own = self
             .save_parts(&mut parts)
@@ -374,6 +379,9 @@ impl Model {
         drop(body);
         if let Some(slice) = &mut self.delayed {
             (slice.motion, slice.work) = sections.decode(SLICE)?;
+        }
+        if let Some(bay) = &mut self.bay {
+            bay.motion = sections.decode(BAY)?;
         }
         self.spectrum = run.spectrum;
         self.restore_parts(&mut sections)?;

@@ -204,15 +204,16 @@ impl Model {
         spectrum
     }
 
-    /// By what the delay of a slice raises the frequency of an element at most, `1 / sqrt(1 - s^2 c^2)` with the highest
+    /// By what the delay of a slice or bay raises the frequency of an element at most, `1 / sqrt(1 - s^2 c^2)` with the highest
     /// speed `c` of any part; 1 for other bodies.
     fn delayed_bound(&self) -> f64 {
-        let Some(slice) = &self.delayed else {
-            return 1.0;
-        };
         let groups = self.groups.groups.iter().enumerate();
         let left = groups.filter(|(_, group)| group.mass > 0.0);
-        let left = left.map(|(g, group)| (slice.inertia(g) / group.mass).min());
+        let left = left.map(|(g, group)| match (&self.delayed, &self.bay) {
+            (Some(slice), _) => (slice.inertia(g) / group.mass).min(),
+            (_, Some(bay)) => bay.share_left(g, group.mass),
+            _ => 1.0,
+        });
         1.0 / left.fold(1.0, f64::min).sqrt()
     }
 

@@ -1,6 +1,7 @@
 //! The engine: integrators, the stable step, equilibrium, stages, ranks.
 
 mod added_mass;
+mod bays;
 mod energy;
 mod exact;
 mod fibres;

@@ -171,6 +171,11 @@ impl Model {
         })
     }
 
+    /// Whether the body is a slice or a bay under waves along y.
+    pub(crate) fn is_delayed(&self) -> bool {
+        self.delayed.is_some() || self.bay.is_some()
+    }
+
     /// Whether no element has history variables.
     pub(crate) fn is_linear(&self) -> bool {
         self.blocks.iter().all(|block| block.history().is_empty())

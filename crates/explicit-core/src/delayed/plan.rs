@@ -31,11 +31,15 @@ fn with(what: impl Into<String>, way: &'static str) -> EngineError {
     }
 }
 
-/// The pairs of a specification, each with its node of the smaller y first; none if the body is no delayed slice, or its
-/// slowness is zero, where they are periodic.
-pub(crate) fn pair_up(spec: &ModelSpec, single: bool) -> Result<Option<DelayedPairs>, EngineError> {
+/// Refuses what neither a slice nor a bay takes under waves along y; with a slowness of zero its pairs are periodic, and take all. A bay takes
+/// joints.
+pub(crate) fn check_delayed(
+    spec: &ModelSpec,
+    single: bool,
+    is_bay: bool,
+) -> Result<(), EngineError> {
     let Some(delayed) = spec.delayed.as_ref().filter(|pairs| pairs.slowness != 0.0) else {
-        return Ok(None);
+        return Ok(());
     };
     if !delayed.slowness.is_finite() {
         return Err(EngineError::DelayedSlowness {
@@ -46,7 +50,7 @@ pub(crate) fn pair_up(spec: &ModelSpec, single: bool) -> Result<Option<DelayedPa
     let present = [
         (!single, "ranks", alone),
         (
-            !spec.constraints.is_empty(),
+            !is_bay && !spec.constraints.is_empty(),
             "joints",
             "bond what they divide, or take a body with its whole length along y",
         ),
@@ -90,11 +94,11 @@ pub(crate) fn pair_up(spec: &ModelSpec, single: bool) -> Result<Option<DelayedPa
             return Err(with(what, "take mass damping, or none"));
         }
     }
-    ordered(spec.mesh, delayed).map(Some)
+    Ok(())
 }
 
-/// The same pairs, each with its node of the smaller y first.
-fn ordered(mesh: &Mesh, delayed: &DelayedPairs) -> Result<DelayedPairs, EngineError> {
+/// The pairs of a slice, each with its node of the smaller y first.
+pub(crate) fn pair_up(mesh: &Mesh, delayed: &DelayedPairs) -> Result<DelayedPairs, EngineError> {
     let (nodes, tags) = (mesh.positions(), mesh.node_tags());
     let mut count = vec![0_usize; nodes.len()];
     let mut expected: Option<Vec3> = None;

@@ -15,6 +15,7 @@ use powerhouse_model::{
 use rayon::prelude::*;
 
 use crate::Model;
+use crate::bay::BayEnergy;
 use crate::delayed::DelayedWork;
 use crate::groups::Groups;
 use crate::nodes::{Nodes, with_nodes};
@@ -167,6 +168,11 @@ impl Model {
     /// Records the first half of the work of the present nodal forces, between kick and drift; once
     /// per step.
     pub(crate) fn record_first_half(&mut self, step: f64) {
+        let begins = |ledger: &Ledger| ledger.origin.is_none();
+        let mut of_bay = None;
+        if self.ledger.as_deref().is_some_and(begins) {
+            of_bay = self.bay_energy(step);
+        }
         let Some(mut ledger) = self.ledger.take() else {
             return;
         };
@@ -195,7 +201,9 @@ impl Model {
                 let [of_fibres, ..] = present.kinetic_of_fibres();
                 // Constraints report whole steps, of which the first half precedes the balance.
                 let of_constraints = ledger.constraint_work(0, present.team);
-                ledger.origin = Some(kinetic + of_added + of_fibres + internal - of_constraints);
+                let flux = of_bay.map_or(0.0, |energy| energy.flux + energy.lent);
+                let body = kinetic + of_added + of_fibres + internal + flux;
+                ledger.origin = Some(body - of_constraints);
                 ledger.potential = present.load_potential(&ledger.ranges);
             } else {
                 self.record_sets(&mut ledger, step);
@@ -244,11 +252,14 @@ impl Model {
     pub(crate) fn block_energies(&self, step: f64, ledger: bool) -> Vec<BlockEnergy> {
         let when = self.present_step(step);
         let (nodes, subdomain, slice) = (&self.nodes, &self.subdomain, self.delayed.as_ref());
-        (self.blocks.par_iter().enumerate())
-            .map(|(index, block)| {
-                let displacement = match slice {
-                    Some(slice) => slice.displacement_of_block(subdomain, nodes, index),
-                    None => with_nodes!(nodes, arrays => {
+        let mut of_bay = self.displacements_of_bay();
+        of_bay.resize(self.blocks.len(), None);
+        (self.blocks.par_iter().zip(of_bay).enumerate())
+            .map(|(index, (block, of_bay))| {
+                let displacement = match (slice, of_bay) {
+                    (Some(slice), _) => slice.displacement_of_block(subdomain, nodes, index),
+                    (_, Some(delayed)) => delayed,
+                    _ => with_nodes!(nodes, arrays => {
                         subdomain.values(index, &arrays.displacement)
                     }),
                 };
@@ -265,9 +276,11 @@ impl Model {
             return self.read_slice_ledger(step);
         }
         self.record_first_half(step);
+        let of_bay = self.bay_energy(step);
         let mut ledger = self.ledger.take()?;
         let energies = self.block_energies(step, true);
-        let reading = ledger.read(&self.present(step), &energies, limit);
+        let present = self.present(step);
+        let reading = ledger.read(&present, (&energies, of_bay), limit);
         self.ledger = Some(ledger);
         Some(reading)
     }
@@ -355,14 +368,20 @@ impl Ledger {
         team.totals([sum(0), sum(1), sum(2), sum(3), sum(4)])
     }
 
-    fn read(&mut self, present: &MidStep, energies: &[BlockEnergy], limit: f64) -> Reading {
+    fn read(
+        &mut self,
+        present: &MidStep,
+        (energies, of_bay): (&[BlockEnergy], Option<BayEnergy>),
+        limit: f64,
+    ) -> Reading {
         let team = present.team;
         let sum = total_energy(energies.iter(), team);
         let energies = &self.set_energies(energies, team)[..];
         let of_mass = present.kinetic(&self.ranges);
         let of_fibres = present.kinetic_of_fibres();
         let of_added = present.kinetic_of_added(&self.ranges);
-        let kinetic = of_mass[0] + of_added[0] + of_fibres[0];
+        let BayEnergy { flux, less, lent } = of_bay.unwrap_or_default();
+        let kinetic = of_mass[0] + of_added[0] + of_fibres[0] + flux + lent;
         let nodal = self.nodal_work(team);
         let [friction, bond, stored, impact, external] = self.reported_energies(team);
         let loads = nodal.loads + present.load_potential(&self.ranges) - self.potential;
@@ -371,8 +390,8 @@ impl Ledger {
         let pending = 0.5 * of_step - self.constraint_work(0, team);
         let prescribed = nodal.prescribed + 0.5 * of_step;
         let spent = [
-            ("kinetic", of_mass[0] + of_mass[1]),
-            ("time step", -of_mass[1] - of_added[1] - of_fibres[1]),
+            ("kinetic", of_mass[0] + of_mass[1] + less),
+            ("time step", lent - of_mass[1] - of_added[1] - of_fibres[1]),
             ("elastic", sum.elastic + stored),
             ("bending", sum.bending),
             ("hourglass", sum.hourglass),
@@ -416,7 +435,9 @@ impl Ledger {
             residual - rounding.copysign(residual)
         };
         let mut columns = spent.to_vec();
-        if present.has_added_masses {
+        if of_bay.is_some() {
+            columns.insert(1, ("delay", of_added[0] + of_added[1] - less + flux));
+        } else if present.has_added_masses {
             columns.insert(1, ("added mass", of_added[0] + of_added[1]));
         }
         if present.has_fibres() {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_model::{
-    BlockFactory, Constraint, ElementBlock, ElementChoice, EmbeddedElements, EngineError, Mat3,
-    Mesh, ModelError, ModelSpec, NodalLoad, Precision,
+    BlockFactory, Constraint, DelayedPairs, ElementBlock, ElementChoice, EmbeddedElements,
+    EngineError, Mat3, Mesh, ModelError, ModelSpec, NodalLoad, Precision,
 };
 
 use super::plan::{GroupPlan, engine_node, engine_nodes, tag};
@@ -13,7 +13,8 @@ use super::solids::{Solids, build_blocks};
 use super::start::{InitialState, InitialStress};
 use super::{BoundConstraint, Model, least_mass};
 use crate::applied::AppliedLoads;
-use crate::delayed::{DelayedSlice, pair_up};
+use crate::bay::{BayPlan, Copies, bay_of};
+use crate::delayed::{DelayedSlice, check_delayed, pair_up};
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
 use crate::partition::Partition;
@@ -51,13 +52,25 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     if !team.is_single() {
         team.check_same("the specification of the model", fingerprint(&spec))?;
     }
-    let delayed = pair_up(&spec, team.is_single())?;
+    let own = |pairs: &&DelayedPairs| pairs.slowness != 0.0;
+    let delayed = spec.delayed.as_ref().filter(own);
+    let bay = delayed
+        .map(|pairs| bay_of(spec.mesh, pairs))
+        .transpose()?
+        .flatten();
+    check_delayed(&spec, team.is_single(), bay.is_some())?;
+    let slice = delayed.filter(|_| bay.is_none());
+    let slice = slice.map(|pairs| pair_up(spec.mesh, pairs)).transpose()?;
     let pool = match spec.threads {
         Some(threads) => Some(start_threads(threads)?),
         None => None,
     };
     let mesh = spec.mesh;
     let start = InitialState { state: spec.start };
+    let copies = bay.is_some().then(|| start.absent(mesh));
+    let copies = copies.transpose()?.map(|absent| Copies::new(mesh, &absent));
+    let copies = copies.transpose()?;
+    let divided = copies.as_ref().map_or(mesh, |copies| &copies.mesh);
     let precision = coarsest(&spec.sets)?;
     let block_size = spec.block_size.unwrap_or_else(|| {
         let share = mesh.element_count() / BLOCKS;
@@ -68,8 +81,8 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         ranks,
         labels,
         blocks,
-    } = build_blocks(mesh, &spec.sets, &start, block_size, &team)?;
-    let mut numbering = Numbering::of(&partition, mesh);
+    } = build_blocks(divided, &spec.sets, &start, block_size, &team)?;
+    let mut numbering = Numbering::of(&partition, divided);
     let orphans: Vec<u32> = (partition.orphans.iter())
         .map(|&node| numbering.local_of[node as usize])
         .collect();
@@ -124,13 +137,29 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let orphans: Vec<u32> = orphans.filter(|&node| node != ABSENT).collect();
     let (blocks, nodes_of_blocks) = assembly.on_rank(|node| ranked.local(node));
     let here = ranked.numbering(&numbering);
-    let (mass, mass_damping) = if ranked.is_single() {
+    let (mut mass, mut mass_damping) = if ranked.is_single() {
         lumped(&blocks, &nodes_of_blocks, here.mesh_of.len())
     } else {
         ranked.lumped(&blocks, &nodes_of_blocks)
     };
     let checked = check_masses(mesh, &here, &mass, &orphans);
     ranked.team.agree(checked.map_err(ModelError::from))?;
+    let bay_plan = copies.as_ref().zip(delayed).map(|(copies, delayed)| {
+        let elements = (&blocks[..], &nodes_of_blocks[..]);
+        BayPlan::new(copies, delayed.slowness, &here, elements, &mass)
+    });
+    let ties = copies
+        .as_ref()
+        .map_or_else(Vec::new, |copies| copies.ties(&here));
+    // What acts on the nodes of the mesh acts on all of their mass.
+    for &[node, copy] in &ties {
+        for values in [&mut mass, &mut mass_damping] {
+            if let Some(own) = values.get_mut(copy as usize) {
+                let own = core::mem::take(own);
+                values[node as usize] += own;
+            }
+        }
+    }
     ranked.least_mass = ranked.team.least_of(least_mass(&mass));
     let tables = ranked.take_tables();
     let subdomain = Subdomain::new(mesh, here, orphans, &blocks, nodes_of_blocks, tables);
@@ -163,6 +192,10 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     if let Some(pairs) = &spec.delayed {
         plan.tie(&pairs.pairs)?;
     }
+    plan.tie_copies(&ties);
+    if let Some(bay) = &bay_plan {
+        plan.reduce_masses(&bay.lost);
+    }
     for (node, item) in &impedance {
         plan.add_impedance(*node, item, delayed.is_some())?;
     }
@@ -179,13 +212,17 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let restricted = ranked.restrict(spec.constraints, constrained, &numbers);
     let (constraints, constrained) = ranked.team.agree(restricted)?;
     let masses = (&mass[..], &mass_damping[..]);
-    let (groups, group_of) = plan.finish(masses, &constrained, |node| ranked.local(node));
+    let (mut groups, group_of) = plan.finish(masses, &constrained, |node| ranked.local(node));
     let constrained: Vec<Vec<u32>> = (constrained.into_iter())
         .map(|nodes| nodes.into_iter().map(|node| ranked.local(node)).collect())
         .collect();
-    let delayed =
-        delayed.map(|pairs| DelayedSlice::new(mesh, &pairs, &groups, &subdomain, &blocks));
-    let delayed = delayed.transpose()?;
+    let slice = slice.map(|pairs| DelayedSlice::new(mesh, &pairs, &groups, &subdomain, &blocks));
+    let slice = slice.transpose()?;
+    let bay = bay_plan.zip(copies.as_ref()).map(|(bay, copies)| {
+        let of_nodes = (&mut groups[..], &group_of[..]);
+        bay.finish(mesh, of_nodes, (copies, &subdomain), &blocks)
+    });
+    let bay = bay.transpose()?;
     let groups = Groups::new(groups, &constrained.concat(), &subdomain.slots);
     let constraints = bind(constraints, constrained);
 
@@ -214,10 +251,11 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         nodes,
         mass,
         mass_damping,
-        has_added_masses: !added_masses.is_empty(),
+        has_added_masses: !added_masses.is_empty() || bay.is_some(),
         group_of,
         groups,
-        delayed,
+        delayed: slice,
+        bay,
         loads,
         prescribed: prescribed.map(|p| p.displacement).collect(),
         constraints,

@@ -203,6 +203,9 @@ impl Dynamics for Model {
             if model.delayed.is_some() {
                 return model.slice_forces(terms, step);
             }
+            if model.bay.is_some() {
+                return model.bay_forces(terms, step);
+            }
             match model.fault.take() {
                 Some(fault) => Err(fault),
                 None => model.evaluate(terms, model.present_step(step)),
@@ -221,6 +224,7 @@ impl Dynamics for Model {
             }
             model.prepare(rule, step);
             model.predict(step);
+            model.turn_bay(rule, step);
             model.kicked = true;
             model.spent(Phase::Groups, start);
         });
@@ -287,6 +291,11 @@ impl Model {
             self.kicked = false;
             self.advance::<false>(0.0);
         }
+    }
+
+    /// Whether velocities after the step are known that have not moved the nodes yet.
+    pub(crate) fn is_kicked(&self) -> bool {
+        self.kicked
     }
 
     /// Discards a pending kick of the plain nodes: the motion is that of the start of the step.

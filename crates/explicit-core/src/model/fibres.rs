@@ -51,8 +51,8 @@ impl Model {
             let reason = "they are computed on the host alone";
             return Err(ModelError::refused("fibres", reason));
         }
-        if is_wanted && self.delayed.is_some() {
-            let reason = "a slice under waves along y takes none; leave them out";
+        if is_wanted && self.is_delayed() {
+            let reason = "a slice or bay under waves along y takes none; leave them out";
             return Err(ModelError::refused("fibres", reason));
         }
         let lead_of = self.leads();

@@ -18,6 +18,7 @@ use powerhouse_model::{
 };
 
 use crate::applied::AppliedLoads;
+use crate::bay::Bay;
 use crate::delayed::DelayedSlice;
 use crate::device::DeviceSteps;
 use crate::groups::Groups;
@@ -88,6 +89,8 @@ pub struct Model {
     pub(crate) groups: Groups,
     /// The slice, if the body is one whose sides are delayed against each other.
     pub(crate) delayed: Option<DelayedSlice>,
+    /// The bay, if the body is one of an endless row under waves along y.
+    pub(crate) bay: Option<Bay>,
     pub(crate) loads: AppliedLoads,
     prescribed: Vec<Box<dyn TimeFunction>>,
     pub(crate) constraints: Vec<BoundConstraint>,

@@ -9,6 +9,7 @@ use powerhouse_model::{
 };
 
 use super::Model;
+use crate::bay::BayMotion;
 use crate::nodes::with_nodes;
 use crate::ranks::{read, vector, write};
 
@@ -54,6 +55,9 @@ impl Model {
     pub(crate) fn displacement_of_block(&self, block: usize) -> Vec<Quad<f64>> {
         if let Some(slice) = &self.delayed {
             return slice.displacement_of_block(&self.subdomain, &self.nodes, block);
+        }
+        if let Some(displacement) = self.delayed_displacement(block) {
+            return displacement;
         }
         with_nodes!(&self.nodes, arrays => self.subdomain.values(block, &arrays.displacement))
     }
@@ -142,6 +146,9 @@ impl Model {
     }
 
     fn put_motion(&mut self, displacement: &[Vec3], velocity: &[Vec3]) -> Result<(), ModelError> {
+        let [displacement, velocity] =
+            [displacement, velocity].map(|values| self.with_copies(values));
+        let [displacement, velocity] = [&*displacement, &*velocity];
         let numbering = &self.subdomain.numbering;
         let (mesh_nodes, all) = (self.mesh.node_count(), numbering.local_of.len());
         for (what, values) in [("displacement", displacement), ("velocity", velocity)] {
@@ -160,6 +167,9 @@ impl Model {
         self.groups.motion.invalidate();
         if let Some(slice) = &mut self.delayed {
             slice.motion = None;
+        }
+        if let Some(bay) = &mut self.bay {
+            bay.motion = BayMotion::default();
         }
         let numbering = &self.subdomain.numbering;
         let roller_nodes = &self.groups.motion.roller_nodes;
@@ -215,6 +225,7 @@ impl Model {
 
     /// Sets the reference displacement (m) of the stage, of mesh nodes and additional ones.
     fn put_stage_start(&mut self, start: Vec<Vec3>) {
+        let start = self.with_copies(&start).into_owned();
         let of = |node: u32| start.get(node as usize).copied().unwrap_or_default();
         for (group, origin) in self.groups.groups.iter().zip(&mut self.groups.origin) {
             *origin = of(self.subdomain.numbering.mesh_of[group.members[0] as usize]);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use powerhouse_model::{
     AddedMass, Constraint, ConstraintParts, EngineError, Mat3, Mesh, NodalImpedance, Prescribed,
-    Support,
+    Support, Vec3,
 };
 
 use crate::node_group::NodeGroup;
@@ -96,6 +96,23 @@ impl<'a> GroupPlan<'a> {
             self.parent[a.max(b) as usize] = a.min(b);
         }
         Ok(())
+    }
+
+    /// Ties pairs of engine nodes.
+    pub(super) fn tie_copies(&mut self, ties: &[[u32; 2]]) {
+        for ties in ties {
+            let [a, b] = ties.map(|node| self.root(node));
+            self.parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+
+    /// Takes inertia (kg) by direction from each engine node, in its group: the largest of a group is to be taken from its mass
+    /// later, and what is less in other directions has a mass of its own.
+    pub(super) fn reduce_masses(&mut self, lost: &[Vec3]) {
+        for (node, lost) in (0..).zip(lost) {
+            let less = Vec3::repeat(lost.max()) - lost;
+            self.entry(node).directed_mass += Mat3::from_diagonal(&less);
+        }
     }
 
     pub(super) fn add_impedance(

@@ -22,12 +22,12 @@ use powerhouse_wavefield::{
     Angle, PlaneWave, PlaneWaveParameters, Ricker, RickerQuantity, WaveKind,
 };
 
-pub(super) fn rock() -> ElasticMedium {
+pub(crate) fn rock() -> ElasticMedium {
     ElasticMedium::new(9.0e9, 0.27, 2700.0).unwrap()
 }
 
 /// A plane wave in a half-space under z = 0: a Ricker pulse of the displacement that passes the origin at a time (s).
-pub(super) fn wave(
+pub(crate) fn wave(
     kind: WaveKind,
     [incidence, azimuth]: [f64; 2],
     (frequency, delay): (f64, f64),
@@ -40,13 +40,13 @@ pub(super) fn wave(
 }
 
 /// Slowness along y of a wave in rock (s/m).
-pub(super) fn slowness(kind: WaveKind, [incidence, azimuth]: [f64; 2]) -> f64 {
+pub(crate) fn slowness(kind: WaveKind, [incidence, azimuth]: [f64; 2]) -> f64 {
     let speed = kind.speed(&rock());
     incidence.to_radians().sin() * azimuth.to_radians().sin() / speed
 }
 
 /// Pairs of the nodes of two faces of a mesh.
-pub(super) fn pairs(mesh: &Mesh) -> Vec<(u32, u32)> {
+pub(crate) fn pairs(mesh: &Mesh) -> Vec<(u32, u32)> {
     let [front, back] =
         ["front", "back"].map(|face| mesh.nodes_of_facets(mesh.facet_set(face).unwrap()));
     PeriodicPairs::by_translation(mesh, &front, &back, 1e-6)

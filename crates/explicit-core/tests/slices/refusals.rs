@@ -286,7 +286,7 @@ fn a_slice_takes_no_fibres() {
     let found = model.set_fibres(core::slice::from_ref(&fibre));
     let found = found.unwrap_err().to_string();
     assert!(
-        found.contains("fibres") && found.contains("a slice under waves along y takes none"),
+        found.contains("fibres") && found.contains("a slice or bay under waves along y takes none"),
         "{found}"
     );
     let mut plain = paired(&mesh, pairs(&mesh), 0.0);
