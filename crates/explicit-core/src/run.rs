@@ -402,7 +402,8 @@ impl TimeLoop<'_> {
         }
         self.model.ranks.agree_to_go_on()?;
         let limit = self.energy.and_then(|check| check.limit);
-        let yields = || self.model.is_delayed() && !self.model.is_linear();
+        let is_exact = || self.model.is_linear() && self.model.constraints.is_empty();
+        let yields = || self.model.is_delayed() && !is_exact();
         let limit = limit.unwrap_or(match self.model.precision {
             Precision::F64 if yields() => DELAYED_LIMIT,
             Precision::F64 => 1e-7,

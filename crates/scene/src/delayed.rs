@@ -1,4 +1,5 @@
-//! Slices whose sides are delayed against each other: a long structure along y under waves of any azimuth.
+//! Slices and bays whose sides are delayed against each other: a long structure, or an endless row of bays, along y under waves of any
+//! azimuth.
 
 use powerhouse_model::{IncidentField, PeriodicPairs, StiffElements, Vec3};
 use powerhouse_wavefield::{Angle, LayeredWave, PlaneWave, WaveKind};
@@ -12,6 +13,11 @@ use powerhouse_laws::Damping;
 /// exact to the discretisation, and of a structure in it.
 const MOST_IN_GROUND: f64 = 0.99;
 const MOST_IN_STRUCTURE: f64 = 1.6;
+/// The same of all parts of a bay: of linear ones, and of those with other laws, whose forces are extrapolated in time.
+const MOST_IN_BAY: f64 = 0.95;
+const MOST_OF_LAWS: f64 = 0.7;
+/// Distance from an end of a bay, over its length, within which a node is at it.
+const AT_END: f64 = 1e-6;
 /// The same product of a structure above which it is stiff: a part of its inertia along the axis is moved to the ground around it.
 const STIFF: f64 = 0.95;
 /// Largest share of its density that a stiff part gives to the motion along y; the rest is moved.
@@ -121,19 +127,52 @@ impl core::fmt::Display for StiffPart {
     }
 }
 
-/// Largest product of the slowness along y and the speed of P waves of a part, which is ground or a structure in it.
-fn most_ratio(is_ground: bool) -> f64 {
-    if is_ground {
-        MOST_IN_GROUND
-    } else {
-        MOST_IN_STRUCTURE
-    }
-}
-
 fn with(what: impl Into<String>, way: &'static str) -> DelayedError {
     DelayedError::With {
         what: what.into(),
         way,
+    }
+}
+
+/// The times of the results of a bay of an endless row.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BayTimes {
+    /// y (m) at which the time of the results is that of the waves.
+    pub middle: f64,
+    /// Slowness of the waves along y (s/m).
+    pub slowness: f64,
+    /// Length of the bay (m).
+    pub length: f64,
+}
+
+described!(BayTimes, |_| Kind::Fact(Topic::Run));
+
+impl core::fmt::Display for BayTimes {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self {
+            middle,
+            slowness,
+            length,
+        } = self;
+        write!(
+            f,
+            "a bay of {length} m of an endless row, in which waves travel along y with {slowness:.4e} s/m: the times of all results are those at y = {middle} m, and what happens at another y of the bay happens there later by {:.3} ms per metre, before it earlier; the next bay moves {:.3} ms later",
+            1e3 * slowness,
+            1e3 * slowness * length
+        )
+    }
+}
+
+/// Largest product of the slowness along y and the speed of P waves of a part, which is ground or a structure in it, of a slice or a bay.
+fn most_ratio(part: &Part, is_ground: bool, is_bay: bool) -> f64 {
+    match (is_bay, is_ground) {
+        (true, _) if part.material.is_linear() && !matches!(part.damping, Damping::Flat { .. }) => {
+            MOST_IN_BAY
+        }
+        (true, _) => MOST_OF_LAWS,
+        (false, true) => MOST_IN_GROUND,
+        (false, false) => MOST_IN_STRUCTURE,
     }
 }
 
@@ -226,6 +265,28 @@ impl Scene {
         first.map_or(0.0, |wave| wave.along_y)
     }
 
+    /// Whether the delayed sides are those of a bay of an endless row: there are nodes between them.
+    pub fn is_bay(&self) -> bool {
+        if self.delayed.is_none() {
+            return false;
+        }
+        let (low, high) = self.mesh.bounding_box();
+        let end = AT_END * (high.y - low.y);
+        let mut nodes = self.mesh.positions().iter();
+        nodes.any(|node| node.y > low.y + end && node.y < high.y - end)
+    }
+
+    /// What is to be known of the times of a bay; none of any other body.
+    pub(crate) fn bay_times(&self) -> Option<BayTimes> {
+        let slowness = self.slowness_along_y();
+        let (low, high) = self.mesh.bounding_box();
+        (self.is_bay() && slowness != 0.0).then(|| BayTimes {
+            middle: 0.5 * (low.y + high.y),
+            slowness,
+            length: high.y - low.y,
+        })
+    }
+
     /// All plane waves, in homogeneous or in layered ground.
     fn waves_of_slice(&self) -> impl Iterator<Item = SliceWave<'_>> {
         let layered = self.layered.iter().map(SliceWave::layered);
@@ -259,6 +320,9 @@ impl Scene {
         let Ok(ground) = self.parts_behind_boundary() else {
             return Vec::new();
         };
+        if self.is_bay() {
+            return Vec::new();
+        }
         let is_stiff =
             |(index, part): &(usize, StiffPart)| part.ratio > STIFF && !ground.contains(index);
         let stiff = ratios.enumerate().filter(is_stiff);
@@ -332,8 +396,9 @@ impl Scene {
         let own = wave.speed;
         let along = wave.azimuth.radians().sin().abs();
         let ground = self.parts_behind_boundary().unwrap_or_default();
+        let is_bay = self.is_bay();
         let of_part = |(index, part): (usize, &Part)| {
-            let most = most_ratio(ground.contains(&index));
+            let most = most_ratio(part, ground.contains(&index), is_bay);
             most * own / (part.material.medium().p_speed() * along)
         };
         let parts = self.parts.iter().enumerate().map(of_part);
@@ -346,7 +411,7 @@ impl Scene {
         let slowness = self.slowness_along_y().abs();
         let ground = self.parts_behind_boundary()?;
         for (index, part) in self.parts.iter().enumerate() {
-            let most = most_ratio(ground.contains(&index));
+            let most = most_ratio(part, ground.contains(&index), self.is_bay());
             let speed = part.material.medium().p_speed();
             let ratio = slowness * speed;
             if ratio <= most {
@@ -377,7 +442,7 @@ impl Scene {
     fn check_parts_of_slice(&self) -> Result<(), DelayedError> {
         for part in &self.parts {
             let set = &part.set;
-            if matches!(part.damping, Damping::Flat { .. }) {
+            if matches!(part.damping, Damping::Flat { .. }) && !self.is_bay() {
                 let way = "give the part, and a layer of it, Rayleigh damping proportional to mass, or none, and no `strain_curves`";
                 return Err(with(format!("the flat damping of part '{set}'"), way));
             }
@@ -396,7 +461,7 @@ impl Scene {
     /// Refuses joints, bolts, loads and boundaries that have no place in a slice.
     fn check_company_of_slice(&self) -> Result<(), DelayedError> {
         let whole = "take a body with its whole length along y";
-        if let Some(joint) = self.joints.first() {
+        if let Some(joint) = self.joints.first().filter(|_| !self.is_bay()) {
             return Err(with(format!("joint '{}'", joint.name), whole));
         }
         if !self.bolts.is_empty() {

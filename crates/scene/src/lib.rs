@@ -65,7 +65,7 @@ mod water_mass;
 
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
-pub use delayed::{DelayedError, StiffPart};
+pub use delayed::{BayTimes, DelayedError, StiffPart};
 pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use fibre_choice::{FibreChoice, FibreOptions};

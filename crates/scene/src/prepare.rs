@@ -77,6 +77,7 @@ impl Scene {
         let (pieces, mut remarks) = self.pieces(&rims)?;
         let stiff = self.stiff_parts().into_iter();
         remarks.extend(stiff.map(Remark::StiffPart));
+        remarks.extend(self.bay_times().map(Remark::BayTimes));
         let timeline = Timeline::of(&self)?;
         remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.sudden_motions());

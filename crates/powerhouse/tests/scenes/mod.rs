@@ -4,6 +4,7 @@ mod abaqus;
 mod added_mass;
 mod band_limited;
 mod base_motion;
+mod bays;
 mod bending;
 mod cast_joints;
 mod code_spectra;

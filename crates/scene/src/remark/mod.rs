@@ -86,8 +86,8 @@ pub use water_warning::{WaterReason, WaterWarning};
 use core::fmt;
 
 use crate::{
-    AddedWater, BendingError, FibreChoice, FirstOfSet, HighDamping, Magnitude, Message, StiffPart,
-    Topic, WetJoint,
+    AddedWater, BayTimes, BendingError, FibreChoice, FirstOfSet, HighDamping, Magnitude, Message,
+    StiffPart, Topic, WetJoint,
 };
 
 /// Difference of the waves of a split motion from the record, or of a straight line from the motion of stations, over the peak,
@@ -244,6 +244,7 @@ remarks! {
         HighDamping(HighDamping),
         WetJoint(WetJoint),
         StiffPart(StiffPart),
+        BayTimes(BayTimes),
         FirstOfRecordSet(FirstOfSet),
     }
 }

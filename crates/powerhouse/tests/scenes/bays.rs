@@ -1,0 +1,167 @@
+//! Bays of an endless row with delayed sides, under waves of any azimuth.
+
+use powerhouse::io::write_gmsh;
+use powerhouse::model::{Mesh, Vec3};
+use powerhouse::{Error, FileScene, Registry, Results, RunHooks};
+
+use super::support::Folder;
+
+/// A bay of ground, 30 m long, with a core of concrete in a part of it, under an SV wave along the row.
+const BAY: &str = r#"
+title = "bay"
+mesh = { file = "bay.msh" }
+support = [{ kind = "delayed", from = "front", to = "back" }]
+[[material]]
+name = "granite"
+law = "elastic"
+young = 9.0e9
+poisson = 0.27
+density = 2750
+[[material]]
+name = "concrete"
+law = "elastic"
+young = 25e9
+poisson = 0.17
+density = 2500
+[[part]]
+set = "rock"
+material = "granite"
+kernel = "hex8-natural"
+[[part]]
+set = "core"
+material = "concrete"
+kernel = "hex8-natural"
+[[wave]]
+kind = "sv"
+incidence = 15
+azimuth = 90
+pulse = { kind = "smooth", displacement = 0.01, duration = 0.3 }
+[boundary]
+kind = "viscous-spring"
+faces = ["left", "right", "bottom"]
+scatterer = [0, 0, -40]
+[time]
+duration = 0.4
+[output]
+every = 0.01
+energies = 0.05
+[[output.history]]
+name = "front"
+at = [0, -15, 0]
+[[output.history]]
+name = "back"
+at = [0, 15, 0]
+"#;
+
+fn mesh(layers: usize) -> Mesh {
+    let (low, high) = (Vec3::new(-60.0, -15.0, -80.0), Vec3::new(60.0, 15.0, 0.0));
+    let mut mesh = Mesh::box_of_hexes(low, high, [12, layers, 8], "rock").unwrap();
+    let all = 0..mesh.element_count() as u32;
+    let (core, rest): (Vec<u32>, Vec<u32>) = all.partition(|element| {
+        let x = mesh.centroid(*element);
+        x.x.abs() < 20.0 && (-50.0..-30.0).contains(&x.z) && x.y.abs() < 9.0
+    });
+    mesh.set_element_set("core", core).unwrap();
+    mesh.set_element_set("rock", rest).unwrap();
+    mesh
+}
+
+fn scene(text: &str) -> Result<FileScene, Error> {
+    let folder = Folder::new("bays");
+    write_gmsh(folder.join("bay.msh"), &mesh(6)).unwrap();
+    FileScene::from_toml(
+        text.to_owned(),
+        folder.join("bay.toml"),
+        &Registry::default(),
+    )
+}
+
+fn run(text: &str) -> Results {
+    let simulation = scene(text).unwrap().into_scene().prepare().unwrap();
+    simulation.run(RunHooks::default()).unwrap()
+}
+
+/// A scene of a bay runs, says which time its results have, closes its balance of energies with a column of the delay, and the two
+/// ends have the same motion: that of the time in the middle.
+#[test]
+fn a_bay_runs_and_says_what_its_times_are() {
+    let simulation = scene(BAY).unwrap().into_scene().prepare().unwrap();
+    let remarks = simulation.remarks().iter().map(|remark| remark.to_string());
+    let remarks: Vec<String> = remarks.collect();
+    let of_times = remarks.iter().find(|text| text.contains("endless row"));
+    // 30 m, and sin(15) over 1135 m/s.
+    assert!(
+        of_times.is_some_and(|text| text.contains("2.2") && text.contains("6.8")),
+        "{remarks:?}"
+    );
+    let results = run(BAY);
+    assert!(results.run.energy_residual < 1e-9);
+    let delay = results
+        .run
+        .energies
+        .iter()
+        .find(|(name, _)| *name == "delay");
+    assert!(delay.is_some());
+    let table = &results.histories;
+    let column = |name: &str| &table.column(name).unwrap().values;
+    assert_eq!(column("front.ux"), column("back.ux"));
+    let largest = column("front.uy")
+        .iter()
+        .fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(largest > 1e-3, "{largest}");
+}
+
+/// Materials that yield, joints and flat damping are taken by bays, other than by slices; what they do not take is refused by name.
+#[test]
+fn what_a_bay_takes_and_what_it_does_not() {
+    let yielding = BAY.replacen(
+        "law = \"elastic\"\nyoung = 9.0e9",
+        "law = \"mohr-coulomb\"\nfriction = 40\ncohesion = 1e5\nyoung = 9.0e9",
+        1,
+    );
+    let slack = yielding.replacen("incidence = 15", "incidence = 12", 1);
+    let damped = slack.replacen(
+        "kernel = \"hex8-natural\"\n",
+        "kernel = \"hex8-natural\"\ndamping = { kind = \"flat\", ratio = 0.02, band = [0.5, 20] }\n",
+        1,
+    );
+    let jointed = BAY.replacen(
+        "[[wave]]",
+        "[[joint]]\nname = \"skin\"\nbetween = [\"rock\", \"core\"]\nlaw = \"bonded-coulomb\"\ncohesion = 0\ntensile_strength = 0\nstatic_friction = 0.6\ndynamic_friction = 0.6\n[[wave]]",
+        1,
+    );
+    for text in [&slack, &damped, &jointed] {
+        let results = run(text);
+        assert!(results.run.energy_residual < 0.01);
+        assert!(results.run.time > 0.39);
+    }
+    for (text, message) in [
+        // A material that yields is limited to 0.7 of the speed along the row, others to 0.95.
+        (
+            yielding.replacen("incidence = 15", "incidence = 30", 1),
+            "must be below 0.7",
+        ),
+        (
+            BAY.replacen("incidence = 15", "incidence = 20", 1),
+            "must be below 0.95",
+        ),
+        (
+            BAY.replacen("title = ", "precision = \"mixed\"\ntitle = ", 1),
+            "double precision",
+        ),
+        (
+            BAY.replacen(
+                "from = \"front\", to = \"back\"",
+                "from = \"left\", to = \"right\"",
+                1,
+            ),
+            "delayed pair",
+        ),
+    ] {
+        let refused = match scene(&text) {
+            Err(error) => error.to_string(),
+            Ok(scene) => scene.into_scene().prepare().err().unwrap().to_string(),
+        };
+        assert!(refused.contains(message), "{message}: {refused}");
+    }
+}
