@@ -1,6 +1,7 @@
 //! Slices and bays whose sides are delayed against each other: a long structure, or an endless row of bays, along y under waves of any
 //! azimuth.
 
+use powerhouse_elements::BoltLine;
 use powerhouse_model::{IncidentField, PeriodicPairs, StiffElements, Vec3};
 use powerhouse_wavefield::{Angle, LayeredWave, PlaneWave, WaveKind};
 use thiserror::Error;
@@ -16,6 +17,8 @@ const MOST_IN_STRUCTURE: f64 = 1.6;
 /// The same of all parts of a bay: of linear ones, and of those with other laws, whose forces are extrapolated in time.
 const MOST_IN_BAY: f64 = 0.95;
 const MOST_OF_LAWS: f64 = 0.7;
+/// Component along y of the direction of a bolt up to which it is across y.
+const ALONG: f64 = 0.02;
 /// Distance from an end of a bay, over its length, within which a node is at it.
 const AT_END: f64 = 1e-6;
 /// The same product of a structure above which it is stiff: a part of its inertia along the axis is moved to the ground around it.
@@ -276,6 +279,23 @@ impl Scene {
         nodes.any(|node| node.y > low.y + end && node.y < high.y - end)
     }
 
+    /// Refuses bolts that run along y in a bay: their strain would need the delay of their ends.
+    pub(crate) fn check_bolts_of_bay(&self, name: &str, lines: &[BoltLine]) -> Result<(), Error> {
+        if !self.is_bay() || self.slowness_along_y() == 0.0 {
+            return Ok(());
+        }
+        let runs_along = |line: &BoltLine| {
+            let axis = line.toe - line.head;
+            axis.y.abs() > ALONG * axis.norm()
+        };
+        let Some(place) = lines.iter().position(runs_along) else {
+            return Ok(());
+        };
+        let what = format!("bolts '{name}', of which number {} runs along y", place + 1);
+        let way = "a bay takes bolts across y; leave those along y out, or take several bays with their whole length";
+        Err(with(what, way).into())
+    }
+
     /// What is to be known of the times of a bay; none of any other body.
     pub(crate) fn bay_times(&self) -> Option<BayTimes> {
         let slowness = self.slowness_along_y();
@@ -464,7 +484,7 @@ impl Scene {
         if let Some(joint) = self.joints.first().filter(|_| !self.is_bay()) {
             return Err(with(format!("joint '{}'", joint.name), whole));
         }
-        if !self.bolts.is_empty() {
+        if !(self.bolts.is_empty() || self.is_bay()) {
             return Err(with("bolts", whole));
         }
         if !self.prescribed.is_empty() {

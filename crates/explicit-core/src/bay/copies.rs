@@ -1,8 +1,9 @@
 //! The mesh of a bay in which every element has nodes of its own.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use powerhouse_model::{Mesh, MeshArrays, MeshError};
+use powerhouse_model::{ElementBlock, EngineError, Mesh, MeshArrays, MeshError};
 
 use crate::subdomain::Numbering;
 
@@ -80,6 +81,55 @@ impl Copies {
         copies
             .map(|(copy, &node)| [local(node as usize), local(copy)])
             .collect()
+    }
+}
+
+/// Nodes of a bay on which embedded elements act: each moves as a node of the mesh.
+pub(crate) struct Carriers {
+    /// Number of nodes of the mesh.
+    count: usize,
+    /// Engine numbers of a node of the mesh and of the one that carries embedded elements at it, by mesh index.
+    carrier_of: BTreeMap<u32, [u32; 2]>,
+}
+
+impl Carriers {
+    /// Those of a mesh before there are embedded elements.
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        Self {
+            count: mesh.node_count(),
+            carrier_of: BTreeMap::new(),
+        }
+    }
+
+    /// Engine numbers of the carriers of the nodes of a block.
+    ///
+    /// # Errors
+    /// [`EngineError::BlockNode`] for a node that the mesh does not have.
+    pub(crate) fn nodes_of(
+        &mut self,
+        block: &dyn ElementBlock,
+        numbering: &mut Numbering,
+    ) -> Result<Vec<u32>, EngineError> {
+        let mut carriers = Vec::with_capacity(block.nodes().len());
+        for &node in block.nodes() {
+            if node as usize >= self.count {
+                return Err(EngineError::BlockNode {
+                    set: block.label().into(),
+                    node,
+                });
+            }
+            let [_, carrier] = *self.carrier_of.entry(node).or_insert_with(|| {
+                let added = numbering.append() as usize;
+                [node as usize, added].map(|index| numbering.local_of[index])
+            });
+            carriers.push(carrier);
+        }
+        Ok(carriers)
+    }
+
+    /// Engine numbers of each node of the mesh and of its carrier.
+    pub(crate) fn ties(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.carrier_of.values().copied()
     }
 }
 

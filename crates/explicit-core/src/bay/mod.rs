@@ -19,6 +19,9 @@
 //! Laws that are not linear have forces that are less than those of `K` by `r`. They are evaluated at a velocity that is extrapolated from
 //! the last two, the linear part of which is taken off again, and `s d(sum of o r)/dtau` is that of the step before.
 //!
+//! Embedded elements, such as bolts, act on nodes of their own, which move as their node of the mesh does, without a delay: right for elements
+//! across y.
+//!
 //! Constraints change the new velocities of their nodes after `D` has acted. What they changed in the step before stands for it there: bonds and
 //! contacts of a step add to those before in the ratio of `dt/2 D` to the mass, which is below one.
 
@@ -31,7 +34,7 @@ mod step;
 use powerhouse_model::Vec3;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use copies::Copies;
+pub(crate) use copies::{Carriers, Copies};
 pub(crate) use ledger::BayEnergy;
 pub(crate) use plan::{BayPlan, bay_of};
 use skew::Skew;

@@ -102,10 +102,10 @@ impl BayPlan {
     ) -> Self {
         let positions = copies.mesh.positions();
         let offset = |&node: &u32| {
-            let element = copies.element_of[node as usize];
-            if element == u32::MAX {
+            let element = copies.element_of.get(node as usize).copied();
+            let Some(element) = element.filter(|element| *element != u32::MAX) else {
                 return 0.0;
-            }
+            };
             let own = copies.mesh.nodes_of(element);
             let sum: f64 = own.iter().map(|node| positions[*node as usize].y).sum();
             positions[node as usize].y - sum / own.len() as f64

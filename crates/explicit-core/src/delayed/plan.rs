@@ -32,7 +32,7 @@ fn with(what: impl Into<String>, way: &'static str) -> EngineError {
 }
 
 /// Refuses what neither a slice nor a bay takes under waves along y; with a slowness of zero its pairs are periodic, and take all. A bay takes
-/// joints.
+/// joints and bolts.
 pub(crate) fn check_delayed(
     spec: &ModelSpec,
     single: bool,
@@ -55,7 +55,7 @@ pub(crate) fn check_delayed(
             "bond what they divide, or take a body with its whole length along y",
         ),
         (
-            !spec.embedded.is_empty(),
+            !is_bay && !spec.embedded.is_empty(),
             "bolts",
             "leave them out, or take a body with its whole length along y",
         ),

@@ -13,7 +13,7 @@ use super::solids::{Solids, build_blocks};
 use super::start::{InitialState, InitialStress};
 use super::{BoundConstraint, Model, least_mass};
 use crate::applied::AppliedLoads;
-use crate::bay::{BayPlan, Copies, bay_of};
+use crate::bay::{BayPlan, Carriers, Copies, bay_of};
 use crate::delayed::{DelayedSlice, check_delayed, pair_up};
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
@@ -95,8 +95,12 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let mut assembly = team.agree(assembly)?;
     let embedded_from = assembly.blocks.len();
     let mut hosts = Vec::new();
+    let mut carriers = copies.as_ref().map(|_| Carriers::of(mesh));
     for (host, block) in embedded_blocks(mesh, &partition, &spec.embedded) {
-        let nodes = block_nodes(block.as_ref(), &numbering.local_of)?;
+        let nodes = match &mut carriers {
+            Some(carriers) => carriers.nodes_of(block.as_ref(), &mut numbering)?,
+            None => block_nodes(block.as_ref(), &numbering.local_of)?,
+        };
         if assembly.add(block, nodes, host) {
             hosts.push(host);
         }
@@ -142,15 +146,18 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     } else {
         ranked.lumped(&blocks, &nodes_of_blocks)
     };
-    let checked = check_masses(mesh, &here, &mass, &orphans);
+    let of_mesh = |copies: &Copies| copies.mesh.node_count();
+    let carriers_from = copies.as_ref().map_or(usize::MAX, of_mesh);
+    let checked = check_masses(mesh, &here, &mass, (&orphans, carriers_from));
     ranked.team.agree(checked.map_err(ModelError::from))?;
     let bay_plan = copies.as_ref().zip(delayed).map(|(copies, delayed)| {
         let elements = (&blocks[..], &nodes_of_blocks[..]);
         BayPlan::new(copies, delayed.slowness, &here, elements, &mass)
     });
-    let ties = copies
+    let mut ties = copies
         .as_ref()
         .map_or_else(Vec::new, |copies| copies.ties(&here));
+    ties.extend(carriers.iter().flat_map(Carriers::ties));
     // What acts on the nodes of the mesh acts on all of their mass.
     for &[node, copy] in &ties {
         for values in [&mut mass, &mut mass_damping] {
@@ -421,16 +428,18 @@ fn lumped(
     (mass, damping)
 }
 
-/// Refuses nodes without mass that are no orphans.
+/// Refuses nodes without mass that are no orphans; nodes from a mesh index on carry embedded elements in a bay.
 fn check_masses(
     mesh: &Mesh,
     numbering: &Numbering,
     mass: &[f64],
-    orphans: &[u32],
+    (orphans, carriers_from): (&[u32], usize),
 ) -> Result<(), EngineError> {
+    let is_carrier = |node: usize| numbering.mesh_of[node] as usize >= carriers_from;
     let without = |node: &usize| !(mass[*node].is_finite() && mass[*node] > 0.0);
     let mut without = (0..mass.len()).filter(without);
-    match without.find(|&node| orphans.binary_search(&(node as u32)).is_err()) {
+    let is_orphan = |node: usize| orphans.binary_search(&(node as u32)).is_ok();
+    match without.find(|&node| !is_orphan(node) && !is_carrier(node)) {
         None => Ok(()),
         Some(node) => Err(EngineError::NodeWithoutMass {
             node: tag(mesh, numbering.mesh_of[node]),

@@ -6,7 +6,7 @@ use powerhouse_elements::{BoltLine, BoltParameters, BoltPattern, BoltSet};
 use powerhouse_model::{Facet, Mesh};
 
 use super::StagingError;
-use crate::Error;
+use crate::{Error, Scene};
 
 /// Layout of a bolt group.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,8 @@ pub struct SceneBolts {
 
 impl SceneBolts {
     /// Embeds the bolts in the active elements.
-    pub(super) fn embed(&self, mesh: &Mesh, present: &[bool]) -> Result<BoltSet, Error> {
+    pub(super) fn embed(&self, scene: &Scene, present: &[bool]) -> Result<BoltSet, Error> {
+        let mesh = &*scene.mesh;
         let refused = |source| {
             let name = self.name.clone();
             Error::of_bolts(StagingError::Bolts { name, source })
@@ -55,6 +56,7 @@ impl SceneBolts {
             let name = self.name.clone();
             return Err(Error::of_bolts(StagingError::NoFreeFacet { name }));
         }
+        scene.check_bolts_of_bay(&self.name, &lines)?;
         BoltSet::new(&self.name, mesh, &hosts, &lines, self.parameters).map_err(refused)
     }
 }

@@ -412,7 +412,6 @@ impl Progress<'_> {
     }
 
     fn install(&mut self, stage: &SceneStage) -> Result<Vec<BoltSet>, StageFault> {
-        let mesh = &*self.scene.mesh;
         let mut sets = Vec::with_capacity(stage.bolts.len());
         for name in &stage.bolts {
             let of_name = self.scene.bolts.iter().find(|bolts| bolts.name == *name);
@@ -425,7 +424,7 @@ impl Progress<'_> {
                 return Err(StagingError::AlreadyInstalled { name }.into());
             }
             let set = bolts
-                .embed(mesh, &self.present)
+                .embed(self.scene, &self.present)
                 .map_err(StageFault::Whole)?;
             for bolt in 0..set.len() {
                 let crossed = set.segments(bolt).map(|segment| segment.element);
