@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     BoundarySite, ElasticMedium, FieldMotion, IncidentField, Mat3, ModelError, NodalLoad, SiteFace,
     SiteNode, Vec3,
@@ -13,12 +15,16 @@ use crate::field_load::{FieldForces, field_load};
 
 /// Part of the free field that enters through an absorbing boundary.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum InputMode {
     /// The full free field, incident and reflected waves, on every face.
     #[default]
     FullField,
     /// The incident wave alone on the named faces, as on the bottom in Wang, Chen & Xiao (2019),
     /// Eqs. 6 and 7; the full free field on the others.
+    #[cfg_attr(feature = "keys", serde(deserialize_with = "Deserialize::deserialize"))]
+    #[cfg_attr(feature = "keys", schemars(with = "Vec<String>"))]
     IncidentOnly {
         /// Names of the faces with the incident wave alone.
         faces: Vec<String>,

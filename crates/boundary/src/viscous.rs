@@ -1,5 +1,7 @@
 //! Viscous boundary: dashpots alone.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{AbsorbingBoundary, BoundaryParts, BoundarySite, ModelError};
 
 use crate::coefficients::{FaceCoefficients, ShareCoefficients, check_delayed, nodal_impedance};
@@ -12,8 +14,12 @@ use crate::input::{InputMode, input_loads};
 ///
 /// Source: Lysmer & Kuhlemeyer (1969), "Finite dynamic model for infinite media".
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(deny_unknown_fields))]
 pub struct Viscous {
-    /// Part of the free field that enters through the boundary.
+    /// Part of the free field that enters through the boundary: as key `full-field` (the default),
+    /// `{ incident-only = [faces] }` or `nothing`.
+    #[cfg_attr(feature = "keys", serde(default))]
     pub input: InputMode,
 }
 

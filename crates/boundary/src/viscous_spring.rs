@@ -1,5 +1,7 @@
 //! Viscous-spring boundary: springs and dashpots.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, ModelError, ParameterError, SiteFace, SiteNode,
     Vec3,
@@ -70,6 +72,8 @@ impl Default for AxisParameters {
 
 /// Geometrical spreading of the scattered waves, which sets the stiffness of the springs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum Spreading {
     /// Spherical waves, from a compact structure: the springs of Eq. 1.
     #[default]

@@ -1,5 +1,7 @@
 //! Drucker-Prager yield surface.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, Stress, each};
 
 use crate::MaterialError;
@@ -8,10 +10,13 @@ use crate::surface::{
 };
 
 /// Fit of a Drucker-Prager cone to a Mohr-Coulomb surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum ConeFit {
     /// Touches all six faces from inside: `a = sin / sqrt(9 + 3 sin^2)`, `k = 3 c cos / sqrt(9 +
     /// 3 sin^2)`.
+    #[default]
     Inscribed,
     /// Through the edges of triaxial compression: `a = 2 sin / (sqrt 3 (3 - sin))`, `k = 6 c cos /
     /// (sqrt 3 (3 - sin))`. It overestimates the strength elsewhere, in extension most of all.

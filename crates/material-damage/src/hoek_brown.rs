@@ -1,5 +1,7 @@
 //! Hoek-Brown yield surface.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Scalar, Stress};
 
 use crate::MaterialError;
@@ -8,20 +10,27 @@ use crate::planes::ShearPlane;
 use crate::root::{Function, zero_between};
 use crate::surface::{PrincipalReturn, YieldState, YieldSurface, pick, stiffened};
 
-/// Parameters of a [`HoekBrown`] surface.
+/// Parameters of a [`HoekBrown`] surface of a rock mass (Hoek, Carranza-Torres & Corkum 2002).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
 pub struct HoekBrownParameters {
     /// Elastic medium of the rock mass.
+    #[cfg_attr(feature = "keys", serde(rename = "+"), schemars(flatten))]
     pub medium: ElasticMedium,
-    /// Uniaxial compressive strength of the intact rock `s_ci` (Pa).
+    /// Uniaxial compressive strength of the intact rock `s_ci` (Pa), above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub intact_strength: f64,
     /// Material constant of the intact rock `m_i` (1), 1 to 50.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub intact_constant: f64,
     /// Geological strength index GSI (1), 5 to 100.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub strength_index: f64,
-    /// Disturbance factor `D` (1), 0 (undisturbed) to 1.
+    /// Disturbance factor `D` of blast damage and stress relief (1), 0 (undisturbed) to 1; as key 0 by default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub disturbance: f64,
-    /// Dilation relative to that of associated flow (1), 0 to 1.
+    /// Dilation as a share of that of associated flow (1), 0 to 1; as key 0 by default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub dilation_share: f64,
 }
 
@@ -136,7 +145,7 @@ impl HoekBrown {
     /// If a parameter is outside its range.
     pub fn new(parameters: HoekBrownParameters) -> Result<Self, MaterialError> {
         let p = &parameters;
-        let medium = ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
+        let medium = p.medium.checked()?;
         for (name, value, from, to) in [
             (
                 "intact_strength",

@@ -1,5 +1,7 @@
 //! Mazars' damage law in total strain.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
     ModelError, ParameterError, RemainingStiffness, Stress, each,
@@ -9,6 +11,8 @@ use crate::crack_band::{self, CRACK_BAND_WIDTH};
 use crate::dual::Dual;
 use crate::energy::Step;
 use crate::history::{self, number};
+#[cfg(feature = "keys")]
+use crate::softening::SOFTENING_KEYS;
 use crate::softening::{
     STEEPEST, check_size, damage_of, damage_of_falling_stress, inverse_rate_in_total_strain,
 };
@@ -17,16 +21,20 @@ use crate::{ElasticInSeries, MaterialError, PrincipalAxes, SofteningOf, tangent}
 
 /// Tensile softening of a [`Mazars`] law, with damage `d` in the equivalent strain `e`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(try_from = "MazarsTensionKeys", untagged))]
 pub enum MazarsTension {
     /// Fracture energy with `A = 1`, and `B` from `G / h = E e0^2 / 2 + E (e0 / B + 1 / B^2)` for an
     /// element of width `h`. It holds for widths within a factor of five: below the least one the stress
     /// would rise after first damage, above the greatest the element snaps back.
     FractureEnergy {
         /// Fracture energy `G` per area of crack (N/m).
+        #[cfg_attr(feature = "keys", serde(rename = "fracture_energy"))]
         energy: f64,
     },
     /// Fracture energy with an exponentially falling stress, `d = 1 - (e0 / e) exp(-B (e - e0))`, and
     /// `B` from `G / h = E e0^2 / 2 + E e0 / B`. It holds for all widths that do not snap back.
+    #[cfg_attr(feature = "keys", serde(skip_serializing))]
     FallingStress {
         /// Fracture energy `G` per area of crack (N/m).
         energy: f64,
@@ -40,20 +48,74 @@ pub enum MazarsTension {
     },
 }
 
-/// Parameters of a [`Mazars`] law.
+/// Damage evolution in tension: either `fracture_energy` with optional `falling`, or `rate` with optional `share`.
+#[cfg(feature = "keys")]
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct MazarsTensionKeys {
+    /// Fracture energy per area of crack (N/m), above 0.
+    fracture_energy: Option<Positive>,
+    /// Exponentially decreasing quantity: `damage` (the default) or `stress`.
+    falling: Option<Falling>,
+    /// Parameter B of the evolution (dimensionless), at least the inverse of the threshold.
+    rate: Option<Positive>,
+    /// Parameter A of the evolution (dimensionless), above 0 and at most 1, 1 by default.
+    share: Option<Share>,
+}
+
+/// Quantity that decreases exponentially after first damage.
+#[cfg(feature = "keys")]
+#[derive(Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum Falling {
+    /// Damage term of Mazars; element sizes are permitted within a factor of five.
+    Damage,
+    /// Stress; all element sizes without snap-back are permitted.
+    Stress,
+}
+
+#[cfg(feature = "keys")]
+impl TryFrom<MazarsTensionKeys> for MazarsTension {
+    type Error = &'static str;
+    fn try_from(keys: MazarsTensionKeys) -> Result<Self, &'static str> {
+        let rates = (keys.rate, keys.share);
+        match (keys.fracture_energy.map(Positive::get), keys.falling, rates) {
+            (Some(energy), Some(Falling::Stress), (None, None)) => {
+                Ok(Self::FallingStress { energy })
+            }
+            (Some(energy), _, (None, None)) => Ok(Self::FractureEnergy { energy }),
+            (None, None, (Some(rate), share)) => Ok(Self::Rates {
+                share: share.map_or(1.0, Share::get),
+                rate: rate.get(),
+            }),
+            _ => Err(SOFTENING_KEYS),
+        }
+    }
+}
+
+/// Parameters of a [`Mazars`] law, isotropic damage in total strain (Mazars 1986).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
 pub struct MazarsParameters {
     /// Elastic medium.
+    #[cfg_attr(feature = "keys", serde(rename = "+"), schemars(flatten))]
     pub medium: ElasticMedium,
-    /// Equivalent strain at first damage `e0` (1), 1e-9 to 1.
+    /// Damage threshold: equivalent strain at first damage `e0` (1), 1e-9 to 1.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub threshold: f64,
-    /// Softening in tension.
+    /// Damage evolution in tension.
     pub tension: MazarsTension,
     /// Share `A` in compression (1), 0 to 2; above 1 damage is limited by the residual stiffness.
+    #[cfg_attr(feature = "keys", serde(rename = "compression.share"))]
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub compression_share: f64,
     /// Rate `B` in compression (1), above 0.
+    #[cfg_attr(feature = "keys", serde(rename = "compression.rate"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub compression_rate: f64,
-    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1.
+    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1; as key 0.001 by default. An open crack bears this
+    /// share of E times its opening over the width of the element.
+    #[cfg_attr(feature = "keys", serde(with = "Share", default = "ratio::<1, 1000>"))]
     pub residual_stiffness: f64,
 }
 
@@ -105,7 +167,7 @@ impl Mazars {
     /// If a parameter is outside its range; [`MaterialError::Hardening`] for a rate below `1 / e0`.
     pub fn new(parameters: MazarsParameters) -> Result<Self, MaterialError> {
         let p = &parameters;
-        ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
+        p.medium.checked()?;
         ParameterError::check("threshold", p.threshold, 1.0e-9, 1.0)?;
         ParameterError::check("compression_share", p.compression_share, 0.0, 2.0)?;
         let least = f64::MIN_POSITIVE;

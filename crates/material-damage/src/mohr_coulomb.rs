@@ -1,5 +1,7 @@
 //! Mohr-Coulomb yield surface with a tension cut-off.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
@@ -11,17 +13,26 @@ const FRICTIONLESS_CUT_OFF: f64 = 1.0e3;
 
 /// Parameters of a [`MohrCoulomb`] surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
 pub struct MohrCoulombParameters {
     /// Elastic medium.
+    #[cfg_attr(feature = "keys", serde(rename = "+"), schemars(flatten))]
     pub medium: ElasticMedium,
     /// Friction angle phi (degrees), 0 to 75.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub friction: f64,
-    /// Dilation angle psi (degrees), 0 to the friction angle.
+    /// Dilation angle psi (degrees), 0 to the friction angle; as key 0 by default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub dilation: f64,
-    /// Cohesion c (Pa), at least 0.
+    /// Cohesion c (Pa), 0 or above.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub cohesion: f64,
-    /// Tension cut-off: greatest principal stress (Pa), at least 0. Without one the surface ends at its
-    /// apex `c cot(phi)` (without friction: at 1000 cohesions).
+    /// Uniaxial tensile strength: tension cut-off of the greatest principal stress (Pa), 0 or above. Without one
+    /// the surface ends at its apex `c cot(phi)` (without friction: at 1000 cohesions).
+    #[cfg_attr(feature = "keys", serde(rename = "tensile_strength"))]
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
+    #[cfg_attr(feature = "keys", serde(default))]
+    #[cfg_attr(feature = "keys", serde(skip_serializing_if = "Option::is_none"))]
     pub tension_strength: Option<f64>,
 }
 

@@ -1,5 +1,7 @@
 //! Plasticity with scalar damage: the concrete of the paper.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
     ModelError, ParameterError, RemainingStiffness, Stress, array, each,
@@ -17,17 +19,38 @@ use crate::{ElasticInSeries, MaterialError, PrincipalAxes, Softening, SofteningO
 
 /// Parameters of a [`PlasticDamage`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
 pub struct PlasticDamageParameters<S> {
     /// Yield surface of the effective stress.
+    #[cfg_attr(feature = "keys", serde(rename = "+"), schemars(flatten))]
     pub surface: S,
-    /// Softening by tensile damage.
+    /// Damage evolution in tension (opening of cracks); as key that of the preset, or no damage.
+    #[cfg_attr(feature = "keys", serde(default))]
     pub tension: Softening,
-    /// Softening by damage in compression and shear.
+    /// Damage evolution in compression (crushing and shear); as key that of the preset, or no damage.
+    #[cfg_attr(feature = "keys", serde(default))]
     pub compression: Softening,
-    /// Stiffness recovery `w`: share of tensile damage that is without effect when cracks close (1), 0 to 1.
+    /// Stiffness recovery `w`: share of tensile damage that is without effect when cracks close (1), 0 to 1; as key 1 by
+    /// default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
+    #[cfg_attr(feature = "keys", serde(default = "ratio::<1, 1>"))]
     pub stiffness_recovery: f64,
-    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1.
+    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1; as key 0.001 by default.
+    #[cfg_attr(feature = "keys", serde(with = "Share", default = "ratio::<1, 1000>"))]
     pub residual_stiffness: f64,
+}
+
+impl<S> PlasticDamageParameters<S> {
+    /// The same parameters with another surface.
+    pub fn with_surface<T>(&self, surface: T) -> PlasticDamageParameters<T> {
+        PlasticDamageParameters {
+            surface,
+            tension: self.tension,
+            compression: self.compression,
+            stiffness_recovery: self.stiffness_recovery,
+            residual_stiffness: self.residual_stiffness,
+        }
+    }
 }
 
 pub(crate) const TENSION: usize = 6;

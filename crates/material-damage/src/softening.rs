@@ -1,5 +1,7 @@
 //! Damage evolution, and its regularisation by the width of a crack band.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{Lane, ParameterError};
 
 use crate::exponential::decay;
@@ -29,9 +31,12 @@ pub(crate) fn check_size(
 /// `d = 1 - (1 - A) e0 / e - A exp(-B (e - e0))` beyond the threshold `e0`, zero before
 ///
 /// Source: Wang, Chen & Xiao (2019), Eq. (25), after Mazars (1986).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(try_from = "SofteningKeys", untagged))]
 pub enum Softening {
     /// No damage of this kind.
+    #[default]
     None,
     /// Crack band that dissipates the same energy whatever its width `h`: `A = 1` and
     ///
@@ -43,6 +48,7 @@ pub enum Softening {
     /// (crack band: Bazant & Oh 1983).
     FractureEnergy {
         /// Fracture energy `G` per area of crack (tension) or of crushing band (compression) (N/m).
+        #[cfg_attr(feature = "keys", serde(rename = "fracture_energy"))]
         energy: f64,
         /// Equivalent plastic strain at first damage `e0` (1).
         threshold: f64,
@@ -56,6 +62,47 @@ pub enum Softening {
         /// Equivalent plastic strain at first damage `e0` (1).
         threshold: f64,
     },
+}
+
+/// Damage evolution: either `fracture_energy`, or `rate` and `share` as in Eq. (25).
+#[cfg(feature = "keys")]
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct SofteningKeys {
+    /// Fracture energy per area of a crack or crushing band (N/m), above 0; independent of the element size.
+    fracture_energy: Option<Positive>,
+    /// Parameter B (dimensionless), above 0; the dissipated energy then depends on the element size.
+    rate: Option<Positive>,
+    /// Parameter A (dimensionless), above 0 and at most 1, 1 by default.
+    share: Option<NonNegative>,
+    /// Damage threshold: equivalent plastic strain at first damage (dimensionless), 0 or above, 0 by default.
+    #[serde(with = "NonNegative", default)]
+    threshold: f64,
+}
+
+/// What is wrong with the keys of a softening.
+#[cfg(feature = "keys")]
+pub(crate) const SOFTENING_KEYS: &str =
+    "either fracture_energy, or rate with optional share, must be given";
+
+#[cfg(feature = "keys")]
+impl TryFrom<SofteningKeys> for Softening {
+    type Error = &'static str;
+    fn try_from(keys: SofteningKeys) -> Result<Self, &'static str> {
+        let threshold = keys.threshold;
+        match (keys.fracture_energy, keys.rate, keys.share) {
+            (Some(energy), None, None) => Ok(Self::FractureEnergy {
+                energy: energy.get(),
+                threshold,
+            }),
+            (None, Some(rate), share) => Ok(Self::Rates {
+                share: share.map_or(1.0, NonNegative::get),
+                rate: rate.get(),
+                threshold,
+            }),
+            _ => Err(SOFTENING_KEYS),
+        }
+    }
 }
 
 /// Softening rate, given or by fracture energy.

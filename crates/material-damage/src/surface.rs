@@ -125,7 +125,7 @@ pub(crate) fn check_frictional(
     dilation: f64,
     cohesion: f64,
 ) -> Result<(), MaterialError> {
-    ElasticMedium::new(medium.young, medium.poisson, medium.density)?;
+    medium.checked()?;
     ParameterError::check("friction", friction, 0.0, 75.0)?;
     ParameterError::check("dilation", dilation, 0.0, 75.0)?;
     ParameterError::check("cohesion", cohesion, 0.0, 1.0e12)?;

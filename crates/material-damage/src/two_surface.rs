@@ -1,5 +1,7 @@
 //! Yield surface with given uniaxial strengths.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{ElasticDomain, ElasticMedium, Lane, ParameterError, Stress};
 
 use crate::MaterialError;
@@ -7,20 +9,30 @@ use crate::mohr_coulomb::passive_ratio;
 use crate::planes::{Nearest, ShearPlane, below_cut_off};
 use crate::surface::{PrincipalReturn, YieldSurface, check_frictional, stiffened};
 
-/// Parameters of a [`TwoSurface`] surface.
+/// Parameters of a [`TwoSurface`] surface: yield surfaces through the given uniaxial strengths, with the friction of
+/// Mohr-Coulomb under confinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
 pub struct TwoSurfaceParameters {
     /// Elastic medium.
+    #[cfg_attr(feature = "keys", serde(rename = "+"), schemars(flatten))]
     pub medium: ElasticMedium,
     /// Friction angle phi under confinement (degrees), 0 to 75.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub friction: f64,
-    /// Dilation angle psi (degrees), 0 to the friction angle.
+    /// Dilation angle psi (degrees), 0 to the friction angle; as key 0 by default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub dilation: f64,
     /// Cohesion c under confinement (Pa), at least 0; `f_c / (2 sqrt N)` is used if it is less.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub cohesion: f64,
     /// Uniaxial tensile strength `f_t` (Pa), above 0.
+    #[cfg_attr(feature = "keys", serde(rename = "tensile_strength"))]
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub tension_strength: f64,
     /// Uniaxial compressive strength `f_c` (Pa), above `N f_t`.
+    #[cfg_attr(feature = "keys", serde(rename = "compressive_strength"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub compression_strength: f64,
 }
 

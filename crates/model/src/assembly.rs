@@ -1,9 +1,13 @@
 //! Factories of element blocks, and their options.
 
+#[cfg(feature = "keys")]
+use crate::keys::*;
 use crate::{ElementBlock, ElementKind, Mesh, ModelError};
 
 /// Number format of nodal values and element arithmetic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum Precision {
     /// Double precision of nodal values and element arithmetic.
     #[default]

@@ -44,6 +44,8 @@ mod hourglass;
 mod joint;
 mod kernel;
 mod kernel_parts;
+#[cfg(feature = "keys")]
+pub mod keys;
 mod lane;
 mod law;
 mod law_input;

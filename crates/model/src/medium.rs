@@ -1,6 +1,8 @@
 //! Isotropic elastic media.
 
 use crate::ParameterError;
+#[cfg(feature = "keys")]
+use crate::keys::*;
 
 /// A homogeneous isotropic elastic medium.
 ///
@@ -11,12 +13,17 @@ use crate::ParameterError;
 /// # Ok::<(), powerhouse_model::ParameterError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(deny_unknown_fields))]
 pub struct ElasticMedium {
-    /// Young's modulus (Pa), above zero.
+    /// Young's modulus (Pa), above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub young: f64,
-    /// Poisson's ratio, above -1 and below 0.5.
+    /// Poisson's ratio (dimensionless), above -1 and below 0.5.
+    #[cfg_attr(feature = "keys", serde(with = "PoissonRatio"))]
     pub poisson: f64,
-    /// Mass density (kg/m3), above zero.
+    /// Mass density (kg/m3), above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub density: f64,
 }
 
@@ -26,14 +33,22 @@ impl ElasticMedium {
     /// # Errors
     /// [`ParameterError`] names the field, its value and the permitted range.
     pub fn new(young: f64, poisson: f64, density: f64) -> Result<Self, ParameterError> {
-        ParameterError::check("young", young, f64::MIN_POSITIVE, f64::MAX)?;
-        ParameterError::check("poisson", poisson, -1.0 + 1e-9, 0.5 - 1e-9)?;
-        ParameterError::check("density", density, f64::MIN_POSITIVE, f64::MAX)?;
-        Ok(Self {
+        let medium = Self {
             young,
             poisson,
             density,
-        })
+        };
+        medium.checked()
+    }
+    /// The medium, if its parameters are in their ranges.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn checked(self) -> Result<Self, ParameterError> {
+        ParameterError::check("young", self.young, f64::MIN_POSITIVE, f64::MAX)?;
+        ParameterError::check("poisson", self.poisson, -1.0 + 1e-9, 0.5 - 1e-9)?;
+        ParameterError::check("density", self.density, f64::MIN_POSITIVE, f64::MAX)?;
+        Ok(self)
     }
 
     /// Lamé's first parameter `lambda = E nu / ((1 + nu)(1 - 2 nu))` (Pa).

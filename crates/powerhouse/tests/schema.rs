@@ -79,6 +79,41 @@ fn registered_types_bring_their_keys() {
     );
 }
 
+/// Keys of one table are in it, whatever structure has them: those of tables within are in these, and what follows from
+/// another key, or from a preset, is not required.
+#[test]
+fn keys_of_parameters_are_where_they_are_written() {
+    fn walk(value: &Value, odd: &mut Vec<String>) {
+        let keys = value.get("properties").and_then(Value::as_object);
+        odd.extend(keys.into_iter().flat_map(|keys| {
+            let is_odd = |key: &&String| key.contains('.') || key.contains('+');
+            keys.keys().filter(is_odd).cloned().collect::<Vec<_>>()
+        }));
+        match value {
+            Value::Object(fields) => fields.values().for_each(|field| walk(field, odd)),
+            Value::Array(items) => items.iter().for_each(|item| walk(item, odd)),
+            _ => {}
+        }
+    }
+    let schema = schema();
+    let mut odd = Vec::new();
+    walk(&schema, &mut odd);
+    assert_eq!(odd, Vec::<String>::new());
+    let keys = |table: &str, law: &str| {
+        let choices = schema["$defs"][table]["allOf"].as_array().unwrap();
+        let is_law = |choice: &&Value| choice["if"]["properties"]["law"]["const"] == law;
+        choices.iter().find(is_law).unwrap()["then"].clone()
+    };
+    let concrete = keys("Material", "lee-fenves");
+    assert_eq!(
+        concrete["properties"]["tension"]["properties"]["damage"]["default"],
+        1.0
+    );
+    assert!(concrete["properties"]["young"].is_object() && concrete.get("required").is_none());
+    let bond = keys("JointSection", "bonded-coulomb");
+    assert_eq!(bond["required"], serde_json::json!(["static_friction"]));
+}
+
 /// Unknown keys are invalid in the schema as in the reader, except changed keys of a case, which the reader checks in the
 /// table.
 #[test]

@@ -9,76 +9,25 @@ use powerhouse_model::{ElasticMedium, ModelError};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::spec::{AmplitudeRatio, DashpotRatio, PoissonRatio, Positive};
+use crate::spec::{AmplitudeRatio, DashpotRatio, Positive};
 use crate::{Registry, keys};
 use powerhouse_laws::Material;
 
 pub(crate) fn register(registry: &mut Registry) {
-    registry.add_law("elastic", |elastic: Elastic| {
-        let medium = ElasticMedium::new(
-            elastic.young.get(),
-            elastic.poisson.get(),
-            elastic.density.get(),
-        )?;
+    registry.add_law("elastic", |medium: ElasticMedium| {
+        let medium = medium.checked()?;
         let warnings = Finding::of_medium(&medium);
         Ok(Material::from(LinearElastic::new(medium)).with_warnings(warnings))
     });
     registry.add_boundary(keys::VISCOUS_SPRING, |keys: ViscousSpringKeys| {
         Ok(Arc::new(keys.build()?))
     });
-    registry.add_boundary(keys::VISCOUS, |keys: ViscousKeys| {
-        let input = keys.input.unwrap_or_default().mode();
-        Ok(Arc::new(Viscous { input }))
-    });
+    registry.add_boundary(keys::VISCOUS, |boundary: Viscous| Ok(Arc::new(boundary)));
     crate::builtin_joints::register(registry);
     crate::builtin_laws::register(registry);
     for kernel in SolidKernel::ALL {
         registry.add_kernel(kernel.name(), kernel.into());
     }
-}
-
-/// Isotropic linear elasticity.
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct Elastic {
-    /// Young's modulus (Pa), above 0.
-    young: Positive,
-    /// Poisson's ratio (dimensionless), above -1 and below 0.5.
-    poisson: PoissonRatio,
-    /// Mass density (kg/m3), above 0.
-    density: Positive,
-}
-
-/// Input motion of an absorbing boundary.
-#[derive(Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-enum Input {
-    /// Full free field on every face.
-    #[default]
-    FullField,
-    /// Incident wave alone on the given faces, as on the bottom in Wang, Chen & Xiao (2019), Eqs. (6)-(7); full
-    /// free field on the others.
-    IncidentOnly(Vec<String>),
-    /// No input: the boundary only absorbs.
-    Nothing,
-}
-
-impl Input {
-    fn mode(self) -> InputMode {
-        match self {
-            Self::FullField => InputMode::FullField,
-            Self::IncidentOnly(faces) => InputMode::IncidentOnly { faces },
-            Self::Nothing => InputMode::Nothing,
-        }
-    }
-}
-
-/// Viscous boundary: dashpots with the impedances of P and S waves (Lysmer & Kuhlemeyer 1969).
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct ViscousKeys {
-    /// Input motion: `full-field` (the default), `{ incident-only = [faces] }` or `nothing`.
-    input: Option<Input>,
 }
 
 /// Viscous-spring boundary: springs and dashpots of Wang, Chen & Xiao (2019), Eqs. (1)-(2).
@@ -99,9 +48,11 @@ struct ViscousSpringKeys {
     /// Parameters of the faces normal to z, where they differ.
     z: Option<AxisKeys>,
     /// Geometric spreading of scattered waves: `spherical` (the default) or `cylindrical`.
-    spreading: Option<SpreadingKey>,
+    #[serde(default)]
+    spreading: Spreading,
     /// Input motion: `full-field` (the default), `{ incident-only = [faces] }` or `nothing`.
-    input: Option<Input>,
+    #[serde(default)]
+    input: InputMode,
 }
 
 /// Parameters of the faces normal to one axis.
@@ -114,16 +65,6 @@ struct AxisKeys {
     speed_ratio: Option<DashpotRatio>,
     /// Distance from the scatterer to these faces (m), above 0.
     distance: Option<Positive>,
-}
-
-/// Geometric spreading of scattered waves.
-#[derive(Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-enum SpreadingKey {
-    /// Spherical spreading from a compact structure.
-    Spherical,
-    /// Cylindrical spreading from a long structure of which the model is a slice: half the spring stiffness.
-    Cylindrical,
 }
 
 impl ViscousSpringKeys {
@@ -141,11 +82,8 @@ impl ViscousSpringKeys {
         }
         Ok(ViscousSpring {
             axes,
-            spreading: match self.spreading {
-                Some(SpreadingKey::Cylindrical) => Spreading::Cylindrical,
-                Some(SpreadingKey::Spherical) | None => Spreading::Spherical,
-            },
-            input: self.input.unwrap_or_default().mode(),
+            spreading: self.spreading,
+            input: self.input,
         })
     }
 }

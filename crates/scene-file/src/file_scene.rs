@@ -4,7 +4,6 @@ use core::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use powerhouse_scene::magnitude::Magnitude;
 use powerhouse_scene::{
     Error, Fault, FirstOfSet, Places, ResidualLimit, Scene, SceneText, Simulation, Subject, remark,
 };
@@ -12,7 +11,7 @@ use powerhouse_scene::{
 use crate::engine::gpu_engine;
 use crate::resolve::{self, Draft};
 use crate::spans::FilePlaces;
-use crate::spec::{EngineName, SceneFile, SceneSpec};
+use crate::spec::{EngineName, Registered, SceneFile, SceneSpec};
 use crate::{CheckpointPlan, InputOverview, KeyChange, Registry};
 
 /// Which scene of a file is read: the scene itself or one of its cases, with changed keys.
@@ -151,7 +150,7 @@ impl FileScene {
     ) -> Result<Self, Error> {
         let composed = file
             .checked(case, registry)
-            .and_then(|(spec, unusual)| Self::compose(spec, unusual, registry));
+            .and_then(|(spec, registered)| Self::compose(spec, registered, registry));
         composed.map_err(|error| error.in_case(case))
     }
     /// Scene of a specification, such as one from a file whose values a program has changed. Faults in changed values are
@@ -164,7 +163,7 @@ impl FileScene {
         let checked = spec.file().check(&spec, registry);
         let composed = checked
             .map_err(|fault| spec.file().fault(fault))
-            .and_then(|unusual| Self::compose(spec, unusual, registry));
+            .and_then(|registered| Self::compose(spec, registered, registry));
         composed.map_err(|error| error.in_case(case.as_deref()))
     }
 
@@ -184,13 +183,15 @@ impl FileScene {
 
     fn compose(
         spec: SceneSpec,
-        unusual: Vec<Magnitude>,
+        mut registered: Registered,
         registry: &Registry,
     ) -> Result<Self, Error> {
+        let unusual = core::mem::take(&mut registered.unusual);
         let file = spec.file();
         let refused = |fault| file.fault(fault);
         let case = spec.case().map(str::to_owned);
-        let composed = resolve::compose(file.text(), &spec, registry).map_err(refused)?;
+        let composed = resolve::compose((file.text(), registry), &spec, registered);
+        let composed = composed.map_err(refused)?;
         let Draft {
             mut scene,
             places: mut spans,

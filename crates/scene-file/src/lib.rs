@@ -8,6 +8,11 @@
 //! *Schemas belong to scene files.* The registry takes the names of the keys of a boundary from its schema, and its
 //! functions ask for `JsonSchema`: this crate alone needs TOML, schemas and the drawing of faults.
 //!
+//! *A key is declared once.* The structures of parameters of laws, joints and boundaries are read from tables as they are,
+//! with unit, range and default of a key on its field (feature `keys` of their crates, [`powerhouse_model::keys`]). Keys of
+//! another form than the parameter have structures of their own: of faces across one axis, which have the defaults of all
+//! faces, and of softening, which is given by one of two sets of keys.
+//!
 //! *Names are looked up.* Laws, kernels and boundaries come from a [`Registry`]; a user's own are registered
 //! beside those that come with the software and named in scene files like them. A scene keeps the registry that
 //! it was read with, so that checks and advice know the same names.

@@ -2,7 +2,7 @@
 
 use powerhouse_wavefield::WaveKind;
 
-use crate::spec::{self, Azimuth, Finite, Incidence, Motion, SceneSpec, Wave};
+use crate::spec::{Azimuth, Finite, Incidence, Motion, SceneSpec, Wave};
 
 /// Incident wave of a scene file in a few words and numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,11 +23,7 @@ pub struct WaveOverview {
 impl WaveOverview {
     fn of(wave: &Wave) -> Self {
         Self {
-            kind: match wave.kind {
-                spec::WaveKind::P => WaveKind::P,
-                spec::WaveKind::Sv => WaveKind::SV,
-                spec::WaveKind::Sh => WaveKind::SH,
-            },
+            kind: wave.kind,
             incidence: wave.incidence.get(),
             azimuth: wave.azimuth.map_or(0.0, Azimuth::get),
             motion: motion(wave),

@@ -9,6 +9,7 @@ pub(crate) fn plain(words: &str) -> String {
         "a string" | "string" | "path string" => "a text in quotes".into(),
         "a map" | "map" => "a table".into(),
         "a sequence" | "sequence" => "a list".into(),
+        _ if words.starts_with("struct ") => "a table".into(),
         _ => words
             .replace("floating point", "the number")
             .replace("integer", "the number")

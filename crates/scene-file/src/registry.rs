@@ -108,7 +108,8 @@ impl<T> Entry<T> {
     {
         Self {
             build: Arc::new(move |parameters| {
-                build(parameters.decode()?).map_err(|error| placed(parameters, error))
+                build(parameters.decode_by_schema(&toml::Table::new())?)
+                    .map_err(|error| placed(parameters, error))
             }),
             schema: P::json_schema,
         }
@@ -160,7 +161,7 @@ impl Default for Registry {
 
 impl Registry {
     /// Adds or replaces a constitutive law. `build` converts the keys of a `[[material]]` table into a material; the
-    /// type of its argument defines the keys. An error is reported at the key that
+    /// type of its argument defines the keys, as [`keys`](powerhouse_model::keys) describes. An error is reported at the key that
     /// [`ParameterError::name`](powerhouse_model::ParameterError::name) or the part of [`ModelError::Refused`] names,
     /// or at the whole table.
     pub fn add_law<P, F>(&mut self, name: impl Into<String>, build: F)
@@ -169,6 +170,16 @@ impl Registry {
         F: Fn(P) -> Result<Material, ModelError> + Send + Sync + 'static,
     {
         self.laws.insert(name.into(), Entry::new(build));
+    }
+    /// Adds a constitutive law that is built of a table, with the schema of its keys.
+    pub(crate) fn add_law_of_table(
+        &mut self,
+        name: impl Into<String>,
+        build: impl Fn(&Parameters) -> Result<Material, Fault> + Send + Sync + 'static,
+        schema: fn(&mut SchemaGenerator) -> Schema,
+    ) {
+        let build = Arc::new(build);
+        self.laws.insert(name.into(), Entry { build, schema });
     }
     /// Adds or replaces an absorbing boundary, as [`add_law`](Self::add_law).
     pub fn add_boundary<P, F>(&mut self, name: impl Into<String>, build: F)
@@ -441,9 +452,33 @@ fn choices<T>(
             let mut schema = (entry.schema)(generator);
             // Further keys are rejected for the whole table, not for the keys of this entry alone.
             schema.remove("additionalProperties");
-            (name.clone(), schema.to_value())
+            let mut schema = schema.to_value();
+            nest(&mut schema);
+            (name.clone(), schema)
         })
         .collect()
+}
+
+/// Gives the schema of a table the tables within, of which keys are named `table.key`, and leaves keys that follow from
+/// others out of the required ones.
+fn nest(schema: &mut Value) {
+    let keys = schema.get_mut("properties").and_then(Value::as_object_mut);
+    let all = keys.map(core::mem::take).unwrap_or_default();
+    if let Some(required) = schema.get_mut("required").and_then(Value::as_array_mut) {
+        let given = |key: &str| all.get(key).is_some_and(|key| key.get("x-like").is_none());
+        required.retain(|key| key.as_str().is_some_and(given));
+    }
+    for (name, key) in all {
+        match name.split_once('.') {
+            None => schema["properties"][name] = key,
+            Some((table, within)) => {
+                let table = &mut schema["properties"][table];
+                table["description"] = "Table of the keys below.".into();
+                table["additionalProperties"] = false.into();
+                table["properties"][within] = key;
+            }
+        }
+    }
 }
 
 fn definition<'s>(root: &'s mut Schema, name: &str) -> Option<&'s mut Value> {

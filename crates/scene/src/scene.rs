@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use powerhouse_contact::JointSurface;
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     Constraint, ContactLaw, Engine, IncidentField, Mesh, NodalLoad, PeriodicPairs, Precision,
     Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
@@ -61,8 +63,17 @@ pub enum ResidualLimit {
     Unchecked,
 }
 
+#[cfg(feature = "keys")]
+powerhouse_model::keys::words_or_number! {
+    ResidualLimit { "auto" => OfPrecision, "off" => Unchecked, number => Share }
+    "\"auto\", \"off\" or a number above 0 and at most 1", |x| x > 0.0 && x <= 1.0,
+    { "type": "number", "exclusiveMinimum": 0, "maximum": 1 }
+}
+
 /// Motion of the body at the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum InitialMotion {
     /// Zero displacement and velocity.
     #[default]

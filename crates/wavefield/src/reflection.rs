@@ -1,11 +1,15 @@
 //! Reflection of plane waves at a free surface.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{ElasticMedium, ParameterError};
 
 use crate::{Angle, Complex, WaveError};
 
 /// Type of a plane body wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "lowercase"))]
 pub enum WaveKind {
     /// Compressional wave, polarised along its direction of travel.
     P,

@@ -1,25 +1,35 @@
 //! Brittle bond and Coulomb friction.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     Bond, ContactLaw, ContactState, JointInput, JointResponse, JointState, ParameterError,
 };
 
 use super::{check_friction, check_strength, failed, initial_state, opened, shear, with_shear};
 
-/// Parameters of [`BondedCoulomb`].
+/// Parameters of a brittle bond, then Coulomb friction ([`BondedCoulomb`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(deny_unknown_fields))]
 pub struct BondedCoulombParameters {
-    /// Cohesion of the bond `c` (Pa), possibly infinite.
+    /// Cohesion of the bond `c` (Pa), 0 by default, possibly infinite.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub cohesion: f64,
-    /// Tensile strength of the bond `ft` (Pa), possibly infinite. More than the envelope's apex
+    /// Tensile strength of the bond `ft` (Pa), 0 by default, possibly infinite. More than the envelope's apex
     /// `c / mu_s` is never reached.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub tensile_strength: f64,
     /// Static friction coefficient `mu_s` (1), 0 or above.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub static_friction: f64,
-    /// Dynamic friction coefficient `mu_d` (1), 0 to `mu_s`.
+    /// Dynamic friction coefficient `mu_d` (1), 0 to `mu_s`; as key the static one by default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
+    #[cfg_attr(feature = "keys", schemars(extend("x-like" = "static_friction")))]
     pub dynamic_friction: f64,
-    /// Whether slip breaks the bond. If not, cohesion acts along with friction while the pair
-    /// slides, and only a tensile crack breaks it.
+    /// Whether slip breaks the bond; it does by default. If not, cohesion acts along with friction while the
+    /// pair slides, and only a tensile crack breaks it.
+    #[cfg_attr(feature = "keys", serde(default = "yes"))]
     pub cohesion_loss: bool,
 }
 

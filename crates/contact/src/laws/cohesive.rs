@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     Bond, BondEnergies, ContactLaw, ContactState, ElasticMedium, HistoryVariable, JointInput,
     JointResponse, JointState, ParameterError, Vec3,
@@ -9,25 +11,52 @@ use powerhouse_model::{
 
 use super::{bisected, check_friction, opened, shear, with_shear};
 
-/// Parameters of [`Cohesive`].
+/// Parameters of a bond that fails gradually, with fracture energies, and Coulomb friction ([`Cohesive`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(deny_unknown_fields))]
 pub struct CohesiveParameters {
     /// Tensile strength of the bond `ft` (Pa), above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub tensile_strength: f64,
     /// Cohesion of the bond `c` (Pa): its shear strength without pressure, above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub cohesion: f64,
     /// Fracture energy in opening, `GI` (J/m2), above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub opening_energy: f64,
-    /// Fracture energy in shear, `GII` (J/m2), at least `GI`.
+    /// Fracture energy in shear, `GII` (J/m2), at least `GI`; as key ten times that by default.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
+    #[cfg_attr(feature = "keys", schemars(extend("x-like" = "opening_energy", "x-times" = 10)))]
     pub shear_energy: f64,
-    /// Exponent of mixed modes after Benzeggagh and Kenane (1996), `eta` (1), above 0.
+    /// Exponent of mixed modes after Benzeggagh and Kenane (1996), `eta` (1), above 0; as key 2 by default.
+    #[cfg_attr(feature = "keys", serde(with = "Positive", default = "ratio::<2, 1>"))]
     pub mode_exponent: f64,
     /// Static friction coefficient `mu_s` (1), 0 or above: of an intact bond under pressure, and after its failure.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub static_friction: f64,
-    /// Dynamic friction coefficient `mu_d` (1), 0 to `mu_s`: while the bond softens, and of slip after its failure.
+    /// Dynamic friction coefficient `mu_d` (1), 0 to `mu_s`: while the bond softens, and of slip after its failure; as key
+    /// the static one by default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
+    #[cfg_attr(feature = "keys", schemars(extend("x-like" = "static_friction")))]
     pub dynamic_friction: f64,
-    /// Reduction of the strengths where the mesh is coarse.
+    /// Reduction of the strengths where the mesh does not resolve the failure, with the energies kept: as the key `reduce`
+    /// by the media, which is the default, or none.
+    #[cfg_attr(feature = "keys", serde(rename = "reduce"))]
+    #[cfg_attr(feature = "keys", serde(default, deserialize_with = "reduction"))]
+    #[cfg_attr(feature = "keys", schemars(with = "bool", extend("default" = true)))]
     pub reduction: StrengthReduction,
+}
+
+/// Reads whether strengths are reduced.
+#[cfg(feature = "keys")]
+fn reduction<'de, D: Deserializer<'de>>(deserializer: D) -> Result<StrengthReduction, D::Error> {
+    let reduce: bool = Deserialize::deserialize(deserializer)?;
+    Ok(if reduce {
+        StrengthReduction::ByMedia
+    } else {
+        StrengthReduction::None
+    })
 }
 
 /// Reduction of the strengths of a bond where the mesh does not resolve its failure.

@@ -1,21 +1,31 @@
 //! Contact law of Wang, Chen & Xiao (2019).
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     Bond, ContactLaw, ContactState, JointInput, JointResponse, JointState, ParameterError, Vec3,
 };
 
 use super::{check_friction, check_strength, failed, initial_state, opened, shear, with_shear};
 
-/// Parameters of [`Paper`].
+/// Parameters of a bond and friction after Wang, Chen & Xiao (2019), Eqs. 22 to 24 ([`Paper`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(deny_unknown_fields))]
 pub struct PaperParameters {
-    /// Initial cohesion `c` (Pa), possibly infinite.
+    /// Initial cohesion `c` (Pa), 0 by default, possibly infinite.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub cohesion: f64,
-    /// Tensile strength `sigma` (Pa), possibly infinite.
+    /// Tensile strength `sigma` (Pa), 0 by default, possibly infinite.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative", default))]
     pub tensile_strength: f64,
     /// Static friction coefficient `mu_s` (1), 0 or above; Wang, Chen & Xiao (2019) give no value.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub static_friction: f64,
-    /// Dynamic friction coefficient `mu_d` (1), at most `mu_s`; Wang, Chen & Xiao (2019) give no value.
+    /// Dynamic friction coefficient `mu_d` (1), at most `mu_s`; as key the static one by default. Wang, Chen & Xiao (2019)
+    /// give no value.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
+    #[cfg_attr(feature = "keys", schemars(extend("x-like" = "static_friction")))]
     pub dynamic_friction: f64,
 }
 

@@ -1,19 +1,26 @@
 //! Slip-weakening friction.
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     ContactLaw, ContactState, JointInput, JointResponse, JointState, ParameterError,
 };
 
 use super::{check_friction, opened, shear, with_shear};
 
-/// Parameters of [`SlipWeakening`].
+/// Parameters of friction that falls with slip ([`SlipWeakening`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(deny_unknown_fields))]
 pub struct SlipWeakeningParameters {
-    /// Friction coefficient `mu_s` before any slip (1), 0 or above.
+    /// Static friction coefficient `mu_s` (1), before any slip, 0 or above.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub static_friction: f64,
-    /// Friction coefficient `mu_d` after the slip `D_c` (1), 0 to `mu_s`.
+    /// Dynamic friction coefficient `mu_d` (1), after the slip `D_c`, 0 to `mu_s`.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
     pub dynamic_friction: f64,
-    /// Slip over which friction falls, `D_c` (m).
+    /// Slip over which friction falls from one to the other, `D_c` (m), above 0.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub slip_distance: f64,
 }
 

@@ -11,6 +11,8 @@ mod tied;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     AXIAL_FORCE, ElementBlock, EmbeddedBars, EmbeddedElements, EngineError, Mesh, ParameterError,
     Vec3,
@@ -36,6 +38,8 @@ pub struct BoltLine {
 
 /// End condition of a grouted bolt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum BoltEnd {
     /// Free end: load transfer by the grout alone.
     #[default]

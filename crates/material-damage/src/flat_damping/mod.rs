@@ -45,6 +45,12 @@ pub enum ReferenceFrequency {
     Static,
 }
 
+#[cfg(feature = "keys")]
+powerhouse_model::keys::words_or_number! {
+    ReferenceFrequency { "centre" => Centre, "static" => Static, number => At }
+    "\"centre\", \"static\" or a number above 0", |x| x > 0.0, { "type": "number", "exclusiveMinimum": 0 }
+}
+
 impl ReferenceFrequency {
     /// Phase velocity at the reference frequency, relative to that of static moduli (1).
     ///

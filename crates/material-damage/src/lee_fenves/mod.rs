@@ -3,6 +3,8 @@
 mod flow;
 mod linearised;
 
+#[cfg(feature = "keys")]
+use powerhouse_model::keys::*;
 use powerhouse_model::{
     ConstitutiveLaw, ElasticDomain, ElasticMedium, HistoryVariable, Lane, LawEnergy, LawInput,
     ModelError, ParameterError, RemainingStiffness, Stress, array,
@@ -26,39 +28,71 @@ use flow::Trial;
 
 const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
-/// Parameters of a [`LeeFenves`] law.
+/// Parameters of a [`LeeFenves`] law: yield surface of Lubliner et al. (1989) with hardening and softening, and damage
+/// in tension and compression (Lee & Fenves 1998).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
 pub struct LeeFenvesParameters {
     /// Elastic medium.
+    #[cfg_attr(feature = "keys", serde(rename = "+"), schemars(flatten))]
     pub medium: ElasticMedium,
     /// Uniaxial tensile strength `f_t` (Pa), above 0.
+    #[cfg_attr(feature = "keys", serde(rename = "tensile_strength"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub tension_strength: f64,
     /// Uniaxial compressive strength `f_c` (Pa), at least `f_t`.
+    #[cfg_attr(feature = "keys", serde(rename = "compressive_strength"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub compression_strength: f64,
-    /// Uniaxial compressive stress at first flow `f_0` (Pa), `f_c / 10` (at least `f_t`) to `f_c`.
+    /// Uniaxial compressive stress at first flow `f_0` (Pa), `f_c / 10` (at least `f_t`) to `f_c`; as key `f_c` by default.
+    #[cfg_attr(feature = "keys", serde(rename = "compressive_limit"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
+    #[cfg_attr(feature = "keys", schemars(extend("x-like" = "compressive_strength")))]
     pub compression_limit: f64,
-    /// Ratio of equal biaxial to uniaxial compressive strength `b` (1), 1 to 1.5; concrete: 1.16.
+    /// Ratio of equal biaxial to uniaxial compressive strength `b` (1), 1 to 1.5; concrete, and as key by default: 1.16.
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
+    #[cfg_attr(feature = "keys", serde(default = "ratio::<116, 100>"))]
     pub biaxial_ratio: f64,
     /// Ratio `K_c` of the surface's radius on the tensile meridian to that on the compressive one (1),
-    /// 0.55 to 1; concrete: 2/3.
+    /// 0.55 to 1; concrete, and as key by default: 2/3.
+    #[cfg_attr(feature = "keys", serde(with = "Positive", default = "ratio::<2, 3>"))]
     pub meridian_ratio: f64,
     /// Dilation angle psi in the plane of mean and equivalent stress (degrees), from 1 to the greatest at which flow
     /// generates no energy, `atan(sqrt(3) min(s, sqrt(3) / 2))` with `s = (3 A + g) / (sqrt(3) + 2 g / sqrt(3))`, where
     /// `A` and `g` follow from `biaxial_ratio` and `meridian_ratio` as in the yield function; greater angles are
-    /// rejected. Concrete: 36, with the ratios of concrete above at most 48.3.
+    /// rejected. Concrete, and as key by default: 36, with the ratios of concrete above at most 48.3.
+    #[cfg_attr(feature = "keys", serde(with = "Positive", default = "ratio::<36, 1>"))]
     pub dilation: f64,
-    /// Fracture energy in tension, per area of crack (N/m), above 0.
+    /// Fracture energy in tension, per area of crack (N/m), above 0, independent of the element size.
+    #[cfg_attr(feature = "keys", serde(rename = "tension.fracture_energy"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub tension_energy: f64,
-    /// Fracture energy in compression, per area of crushing band (N/m), above 0.
+    /// Fracture energy in compression, per area of crushing band (N/m), above 0, independent of the element size.
+    #[cfg_attr(feature = "keys", serde(rename = "compression.fracture_energy"))]
+    #[cfg_attr(feature = "keys", serde(with = "Positive"))]
     pub compression_energy: f64,
     /// Share `r_t` of damage in tensile softening (1), from 0 (all strain is plastic) to 1 (the effective
-    /// strength is constant).
+    /// strength is constant); as key 1 by default.
+    #[cfg_attr(feature = "keys", serde(rename = "tension.damage"))]
+    #[cfg_attr(
+        feature = "keys",
+        serde(with = "NonNegative", default = "ratio::<1, 1>")
+    )]
     pub tension_damage: f64,
-    /// Share `r_c` of damage in compressive softening (1), 0 to 1.
+    /// Share `r_c` of damage in compressive softening (1), 0 to 1; as key 0.5 by default.
+    #[cfg_attr(feature = "keys", serde(rename = "compression.damage"))]
+    #[cfg_attr(
+        feature = "keys",
+        serde(with = "NonNegative", default = "ratio::<1, 2>")
+    )]
     pub compression_damage: f64,
-    /// Stiffness recovery `w`: share of tensile damage that is without effect when cracks close (1), 0 to 1.
+    /// Stiffness recovery `w`: share of tensile damage that is without effect when cracks close (1), 0 to 1; as key 1 by
+    /// default.
+    #[cfg_attr(feature = "keys", serde(with = "NonNegative"))]
+    #[cfg_attr(feature = "keys", serde(default = "ratio::<1, 1>"))]
     pub stiffness_recovery: f64,
-    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1.
+    /// Residual stiffness: share that damage never removes (1), 1e-6 to 1; as key 0.001 by default.
+    #[cfg_attr(feature = "keys", serde(with = "Share", default = "ratio::<1, 1000>"))]
     pub residual_stiffness: f64,
 }
 
@@ -132,7 +166,7 @@ impl LeeFenves {
     /// If a parameter is outside its range.
     pub fn new(parameters: LeeFenvesParameters) -> Result<Self, MaterialError> {
         let p = &parameters;
-        let medium = ElasticMedium::new(p.medium.young, p.medium.poisson, p.medium.density)?;
+        let medium = p.medium.checked()?;
         let least = f64::MIN_POSITIVE;
         for (name, value, from, to) in [
             ("tension_strength", p.tension_strength, least, 1.0e12),

@@ -2,9 +2,13 @@
 
 use super::{Facet, Mesh, MeshError};
 use crate::Vec3;
+#[cfg(feature = "keys")]
+use crate::keys::*;
 
 /// A coordinate axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "keys", derive(Deserialize, Serialize, JsonSchema))]
+#[cfg_attr(feature = "keys", serde(rename_all = "kebab-case"))]
 pub enum Axis {
     /// The first horizontal axis, x.
     X,

@@ -319,6 +319,26 @@ fn a_joint_runs_through_periodic_sides() {
     );
 }
 
+/// The energy in shear is ten times that in opening, and dynamic friction the static one, where their keys are not given.
+#[test]
+fn keys_that_are_not_given_follow_from_others() {
+    let folder = folder("joint-derived");
+    let (start, end) = (JOINT.find("law = \"bonded").unwrap(), JOINT.len());
+    let energies = |keys: &str| {
+        let mut text = JOINT.to_owned();
+        let law = "law = \"cohesive\"\ntensile_strength = 2e4\ncohesion = 3e4\nopening_energy = 2\nstatic_friction = 0.7\n";
+        text.replace_range(start..end, &format!("{law}{keys}"));
+        run(read(&folder, &text).unwrap()).energies
+    };
+    let derived = energies("");
+    assert_eq!(
+        derived,
+        energies("shear_energy = 20\ndynamic_friction = 0.7\n")
+    );
+    assert_ne!(derived, energies("shear_energy = 30\n"));
+    assert_ne!(derived, energies("dynamic_friction = 0.4\n"));
+}
+
 /// A bond with fracture energies fails under a wave: what it dissipates is in the column of bonds and between the energies in
 /// opening and in shear of the area that has failed, the balance closes, and the strength that the coarse mesh does not
 /// resolve is reduced with a warning. The number of threads changes no bit.

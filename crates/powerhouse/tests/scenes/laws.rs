@@ -358,6 +358,42 @@ fn faults_have_their_place() {
             9,
             "outside its permitted range [0, 1]",
         ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ntension = { damage = -2 }\n",
+            9,
+            "expected a number of 0 or above",
+        ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ntension = { damge = 0.2 }\n",
+            9,
+            "unknown key 'tension.damge'",
+        ),
+        (
+            "law = \"lee-fenves\"\npreset = \"C30\"\ntension = 0.2\n",
+            9,
+            "found the number 0.2, expected a table",
+        ),
+        (
+            "law = \"plastic-damage\"\nPRESET\ntension = 3\n",
+            9,
+            "found the number 3, expected a table",
+        ),
+        (
+            "law = \"plastic-damage\"\nPRESET\ntensile_strength = -1\n",
+            9,
+            "expected a number of 0 or above",
+        ),
+        (
+            "law = \"two-surface\"\nPRESET\nyoung = \"stiff\"\n",
+            9,
+            "expected a number above 0",
+        ),
+        // An unknown key is reported before the missing one of which it may be the cause.
+        (
+            "law = \"mohr-coulomb\"\nyuong = 1e9\npoisson = 0.2\n",
+            8,
+            "unknown key 'yuong'",
+        ),
     ];
     for (keys, line, message) in cases {
         let keys = keys.replace("PRESET", rock);

@@ -1,37 +1,64 @@
 //! Built-in constitutive laws of rock and concrete.
 
 mod frictional;
-mod hoek_brown;
-mod lee_fenves;
-mod mazars;
 mod plastic_damage;
 mod preset;
 
-use powerhouse_material_damage::MaterialError;
-use powerhouse_model::{ElasticMedium, ModelError};
+use powerhouse_laws::Material;
+use powerhouse_material_damage::{
+    ElastoPlastic, Finding, HoekBrown, HoekBrownParameters, LeeFenves, MaterialError, Mazars,
+    MazarsParameters,
+};
+use powerhouse_model::ModelError;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use thiserror::Error;
 
 use crate::Registry;
-use crate::spec::{PoissonRatio, Positive};
+use crate::spec::{NonNegative, Positive};
+use preset::Preset;
 
 pub(crate) fn register(registry: &mut Registry) {
     frictional::register(registry);
-    hoek_brown::register(registry);
     plastic_damage::register(registry);
-    lee_fenves::register(registry);
-    mazars::register(registry);
+    registry.add_law("hoek-brown", |keys: HoekBrownKeys| {
+        let surface = HoekBrown::new(keys.surface).map_err(placed)?;
+        let listed = [
+            keys.tensile_strength.map(NonNegative::get),
+            keys.compressive_strength.map(Positive::get),
+        ];
+        let warnings = surface.findings(listed);
+        Ok(Material::from(ElastoPlastic::new(surface)).with_warnings(warnings))
+    });
+    preset::add(registry, "mazars", Preset::mazars, |p: MazarsParameters| {
+        let warnings = Finding::of_medium(&p.medium);
+        let law = Mazars::new(p).map_err(placed)?;
+        Ok(Material::from(law).with_warnings(warnings))
+    });
+    preset::add(registry, "lee-fenves", Preset::lee_fenves, |p| {
+        let law = LeeFenves::new(p).map_err(placed)?;
+        let warnings = law.findings();
+        Ok(Material::from(law).with_warnings(warnings))
+    });
 }
 
-/// Default residual stiffness at full damage (dimensionless).
-const RESIDUAL_STIFFNESS: f64 = 1.0e-3;
+/// Hoek-Brown plasticity of a rock mass (Hoek, Carranza-Torres & Corkum 2002).
+#[derive(Deserialize, JsonSchema)]
+struct HoekBrownKeys {
+    #[serde(rename = "+")]
+    #[schemars(flatten)]
+    surface: HoekBrownParameters,
+    /// Uniaxial tensile strength of the rock mass (Pa), with which that of the yield surface is compared.
+    tensile_strength: Option<NonNegative>,
+    /// Uniaxial compressive strength of the rock mass (Pa), with which that of the yield surface is compared.
+    compressive_strength: Option<Positive>,
+}
 
 /// Error in the combination of keys of a law.
 #[derive(Debug, Error)]
 enum KeysError {
     #[error("the key '{0}' is missing; give it, or a preset that contains it")]
-    Missing(&'static str),
-    #[error("either fracture_energy, or rate with optional share, must be given")]
-    Softening,
+    Missing(String),
     #[error("either fracture_energy or rate must be given")]
     Fall,
     #[error("the key 'fit' is permitted with surface = \"drucker-prager\" only")]
@@ -43,11 +70,6 @@ enum KeysError {
 /// Error at a key, or at the whole table for an empty key.
 fn refused(key: &'static str, error: KeysError) -> ModelError {
     ModelError::refused(key, error)
-}
-
-/// Error of a key that neither the table nor a preset gives.
-fn missing(key: &'static str) -> ModelError {
-    refused("", KeysError::Missing(key))
 }
 
 /// Translates a material error into an error at the key concerned.
@@ -70,33 +92,4 @@ fn placed(error: MaterialError) -> ModelError {
         MaterialError::Hardening { .. } => ModelError::refused("tension", error),
         other => other.into(),
     }
-}
-
-/// The elastic keys of a material, as far as they are given.
-#[derive(Clone, Copy)]
-struct ElasticKeys {
-    /// Young's modulus (Pa).
-    young: Option<Positive>,
-    poisson: Option<PoissonRatio>,
-    /// Mass density (kg/m3).
-    density: Option<Positive>,
-}
-
-/// Elastic medium of the given keys, completed by those of a preset.
-fn elastic_medium(
-    keys: ElasticKeys,
-    preset: Option<ElasticMedium>,
-) -> Result<ElasticMedium, ModelError> {
-    let given = |own: Option<f64>, of: fn(&ElasticMedium) -> f64, key| {
-        own.or(preset.as_ref().map(of)).ok_or(missing(key))
-    };
-    Ok(ElasticMedium::new(
-        given(keys.young.map(Positive::get), |m| m.young, "young")?,
-        given(
-            keys.poisson.map(PoissonRatio::get),
-            |m| m.poisson,
-            "poisson",
-        )?,
-        given(keys.density.map(Positive::get), |m| m.density, "density")?,
-    )?)
 }

@@ -1,15 +1,23 @@
 //! Presets: published materials, by their names in scenes.
 
+use powerhouse_laws::{Damping, Material};
 use powerhouse_material_damage::{
-    DampingBand, LeeFenvesParameters, MohrCoulomb, MohrCoulombParameters, PlasticDamage,
-    ReferenceFrequency, RelaxationSpectrum, YieldSurface, presets,
+    DampingBand, MohrCoulomb, PlasticDamage, ReferenceFrequency, RelaxationSpectrum, YieldSurface,
+    presets,
 };
 use powerhouse_model::ModelError;
-use schemars::JsonSchema;
-use serde::Deserialize;
+use powerhouse_scene::{Fault, Problem};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use toml::Table;
 
-use super::{KeysError, placed, refused};
-use powerhouse_laws::{Damping, Material};
+use super::frictional::Frictional;
+use super::{KeysError, refused};
+use crate::Registry;
+use crate::registry::placed;
+use crate::spec::Parameters;
 
 /// Preset: published material.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
@@ -52,27 +60,84 @@ const OF_ROCK: f64 = 0.02;
 /// Number of relaxation mechanisms.
 const MECHANISMS: usize = 3;
 
-/// A material with the default damping of its preset. Moduli hold at the centre of the band, so that forces and wave
-/// speeds of strong motion are those of the material without damping.
-pub(super) fn damped(preset: Option<Preset>, material: Material) -> Result<Material, ModelError> {
-    let Some(preset) = preset else {
-        return Ok(material);
+/// Adds a law of which presets give keys: as they would be in a table.
+pub(super) fn add<P, F>(
+    registry: &mut Registry,
+    name: &str,
+    table: fn(Preset) -> Result<Table, ModelError>,
+    build: F,
+) where
+    P: DeserializeOwned + JsonSchema,
+    F: Fn(P) -> Result<Material, ModelError> + Send + Sync + 'static,
+{
+    let build = move |parameters: &Parameters| {
+        let mut own = parameters.clone();
+        own.retain(|key| key == PRESET);
+        let OfPreset { preset } = own.decode()?;
+        let refused = |error| placed(parameters, error);
+        let defaults = preset.map(table).transpose().map_err(refused)?;
+        own.clone_from(parameters);
+        own.retain(|key| key != PRESET);
+        let read = own.decode_by_schema(&defaults.unwrap_or_default());
+        let read = read.map_err(|fault| match fault.problem() {
+            Problem::MissingKey { key } if fault.span() == parameters.span_of("") => {
+                Fault::refused(fault.span(), KeysError::Missing(key.clone()))
+            }
+            _ => fault.with_permitted(&[PRESET]),
+        });
+        let material = build(read?).map_err(refused)?;
+        Ok(match preset {
+            Some(preset) => material.with_default_damping(preset.damping().map_err(refused)?),
+            None => material,
+        })
     };
-    let ratio = match preset {
-        Preset::PaperRock => OF_ROCK,
-        _ => OF_CONCRETE,
-    };
-    let [lowest, highest] = BAND;
-    let spectrum = RelaxationSpectrum::fit(DampingBand {
-        ratio,
-        lowest,
-        highest,
-        mechanisms: MECHANISMS,
-    })?;
-    Ok(material.with_default_damping(Damping::Flat {
-        spectrum,
-        reference: ReferenceFrequency::Centre,
-    }))
+    registry.add_law_of_table(name, build, schema::<P>);
+}
+
+/// Schema of the keys of a law with presets, of which none is required.
+fn schema<P: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    let mut schema = P::json_schema(generator);
+    schema.remove("required");
+    let preset = OfPreset::json_schema(generator)
+        .pointer("/properties/preset")
+        .cloned();
+    let keys = schema
+        .pointer_mut("/properties")
+        .and_then(Value::as_object_mut);
+    if let (Some(keys), Some(preset)) = (keys, preset) {
+        keys.insert(PRESET.into(), preset);
+    }
+    schema
+}
+
+/// Key of the preset.
+const PRESET: &str = "preset";
+
+/// The preset of a table.
+#[derive(Deserialize, JsonSchema)]
+struct OfPreset {
+    /// Preset: name of a published material whose parameters are the defaults of the other keys.
+    preset: Option<Preset>,
+}
+
+/// Parameters as keys of a table.
+fn keys(parameters: &impl Serialize) -> Result<Table, ModelError> {
+    let table = Table::try_from(parameters);
+    table
+        .map(joined)
+        .map_err(|error| ModelError::refused(PRESET, error))
+}
+
+/// A table with the keys of fields that take theirs from the same table.
+fn joined(table: Table) -> Table {
+    let mut all = Table::new();
+    for (key, value) in table {
+        match value {
+            toml::Value::Table(within) if key == "+" => all.extend(joined(within)),
+            value => _ = all.insert(key, value),
+        }
+    }
+    all
 }
 
 impl Preset {
@@ -87,18 +152,37 @@ impl Preset {
             Self::C40 => Some(40.0),
         }
     }
+    /// Default damping of the material. Moduli hold at the centre of the band, so that forces and wave speeds of strong
+    /// motion are those of the material without damping.
+    fn damping(self) -> Result<Damping, ModelError> {
+        let ratio = match self {
+            Self::PaperRock => OF_ROCK,
+            _ => OF_CONCRETE,
+        };
+        let [lowest, highest] = BAND;
+        let spectrum = RelaxationSpectrum::fit(DampingBand {
+            ratio,
+            lowest,
+            highest,
+            mechanisms: MECHANISMS,
+        })?;
+        Ok(Damping::Flat {
+            spectrum,
+            reference: ReferenceFrequency::Centre,
+        })
+    }
     /// Plastic-damage law of a concrete preset; `None` for rock.
-    pub(super) fn concrete(self) -> Result<Option<PlasticDamage<MohrCoulomb>>, ModelError> {
+    fn concrete(self) -> Result<Option<PlasticDamage<MohrCoulomb>>, ModelError> {
         let concrete = match (self, self.strength()) {
             (Self::PaperC25, _) => Some(presets::paper_concrete()),
             (_, Some(strength)) => Some(presets::eurocode_concrete(strength)),
             _ => None,
         };
-        concrete.transpose().map_err(placed)
+        concrete.transpose().map_err(super::placed)
     }
-    /// Parameters of the Mohr-Coulomb surface, and listed uniaxial compressive strength (Pa).
-    pub(super) fn surface(self) -> Result<(MohrCoulombParameters, f64), ModelError> {
-        Ok(match (self, self.concrete()?) {
+    /// Mohr-Coulomb parameters, and listed uniaxial compressive strength.
+    fn listed(self) -> Result<Frictional, ModelError> {
+        let (surface, strength) = match (self, self.concrete()?) {
             (Self::PaperC25, _) => {
                 let listed = presets::PAPER_CONCRETE_LISTED.compression_strength;
                 (presets::PAPER_CONCRETE, listed)
@@ -111,14 +195,42 @@ impl Preset {
                 let listed = presets::PAPER_ROCK_LISTED.compression_strength;
                 (presets::PAPER_ROCK, listed)
             }
+        };
+        let compressive_strength = Some(strength);
+        Ok(Frictional {
+            surface,
+            compressive_strength,
         })
     }
-    /// Parameters of the Lee-Fenves law of a concrete preset.
-    pub(super) fn lee_fenves(self) -> Result<LeeFenvesParameters, ModelError> {
-        match (self, self.strength()) {
-            (Self::PaperC25, _) => Ok(presets::PAPER_CONCRETE_LEE_FENVES),
-            (_, Some(strength)) => presets::eurocode_lee_fenves(strength).map_err(placed),
-            _ => Err(refused("preset", KeysError::Preset)),
+    /// Keys of a frictional law.
+    pub(super) fn frictional(self) -> Result<Table, ModelError> {
+        keys(&self.listed()?)
+    }
+    /// Keys of a plastic-damage law.
+    pub(super) fn plastic_damage(self) -> Result<Table, ModelError> {
+        let listed = self.listed()?;
+        match self.concrete()? {
+            Some(concrete) => keys(&concrete.parameters().with_surface(listed)),
+            None => keys(&listed),
         }
+    }
+    /// Keys of a Mazars law.
+    pub(super) fn mazars(self) -> Result<Table, ModelError> {
+        match self {
+            Self::PaperC25 => keys(&presets::PAPER_CONCRETE_MAZARS),
+            _ => Err(refused(PRESET, KeysError::Preset)),
+        }
+    }
+    /// Keys of a Lee-Fenves law of a concrete preset. The compressive limit is that of the strength, whatever this is.
+    pub(super) fn lee_fenves(self) -> Result<Table, ModelError> {
+        let mut table = match (self, self.strength()) {
+            (Self::PaperC25, _) => keys(&presets::PAPER_CONCRETE_LEE_FENVES),
+            (_, Some(strength)) => {
+                keys(&presets::eurocode_lee_fenves(strength).map_err(super::placed)?)
+            }
+            _ => Err(refused(PRESET, KeysError::Preset)),
+        }?;
+        table.remove("compressive_limit");
+        Ok(table)
     }
 }

@@ -5,7 +5,7 @@ use powerhouse_material_damage::{DampingBand, ReferenceFrequency, RelaxationSpec
 use powerhouse_model::Rayleigh;
 
 use super::ordered;
-use crate::spec::{self, At, Reference, SceneSpec};
+use crate::spec::{self, At, SceneSpec};
 use powerhouse_laws::Damping;
 use powerhouse_scene::{Error, Fault};
 
@@ -50,14 +50,7 @@ pub(super) fn damping(table: &At<spec::Damping>) -> Result<Damping, Fault> {
             })?;
             let (span, reference) = match reference {
                 None => (table.span(), ReferenceFrequency::Centre),
-                Some(at) => {
-                    let reference = match **at {
-                        Reference::Centre => ReferenceFrequency::Centre,
-                        Reference::Static => ReferenceFrequency::Static,
-                        Reference::Frequency(frequency) => ReferenceFrequency::At(frequency),
-                    };
-                    (at.span(), reference)
-                }
+                Some(at) => (at.span(), **at),
             };
             let velocity = reference.velocity(&spectrum);
             velocity.map_err(|error| Fault::refused(span, error))?;

@@ -8,7 +8,7 @@ use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
     Angle, EndDisplacement, Ground, HarmonicBurst, InputConvention, LayerDamping, PlaneWave,
     PlaneWaveParameters, QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site,
-    SmoothPulse, WaveError, WaveKind, ZeroMeanPulse, critical_angle, first_hit_corner,
+    SmoothPulse, WaveError, ZeroMeanPulse, critical_angle, first_hit_corner,
 };
 
 use super::motion;
@@ -75,7 +75,7 @@ pub(super) fn field(
     let surface = file.ground.surface.as_ref().map_or(level, |at| at.get());
     let (mut waves, mut origins) = (Vec::new(), Vec::new());
     for table in &file.waves {
-        let mut parameters = PlaneWaveParameters::vertical(kind(table), medium, surface);
+        let mut parameters = PlaneWaveParameters::vertical(table.kind, medium, surface);
         if file.ground.space == Space::FullSpace {
             parameters.site = Site::FullSpace;
         }
@@ -157,15 +157,6 @@ pub(super) fn note_arrivals(origins: &[Origin], scene: &mut Draft, arrivals: &[f
         scene.record_arrivals.insert(name.into(), arrival);
         let remark = cut_short(name, record, arrival, scene);
         scene.remarks.extend(remark);
-    }
-}
-
-/// Type of a wave.
-pub(super) fn kind(table: &Wave) -> WaveKind {
-    match table.kind {
-        spec::WaveKind::P => WaveKind::P,
-        spec::WaveKind::Sv => WaveKind::SV,
-        spec::WaveKind::Sh => WaveKind::SH,
     }
 }
 

@@ -5,7 +5,6 @@ use powerhouse_model::{ContactLaw, Facet, Mesh, Stress};
 
 use super::pore_water::{PressureKeys, water_pressure};
 use super::{Names, check_reach, no_such_set, one_of, vector};
-use crate::Registry;
 use crate::spec::{self, At, Finite, Gap, JointSection, Positive, Zone};
 use powerhouse_scene::{
     Fault, GroundStress, InitialGap, JointWater, JointZone, Preload, Problem, SceneJoint,
@@ -15,7 +14,7 @@ use powerhouse_scene::{
 pub(super) fn joints(
     mut mesh: Mesh,
     sections: &[JointSection],
-    registry: &Registry,
+    laws: Vec<Box<dyn ContactLaw>>,
 ) -> Result<(Mesh, Vec<SceneJoint>), Fault> {
     let mut sides = Vec::with_capacity(sections.len());
     for (index, section) in sections.iter().enumerate() {
@@ -53,8 +52,7 @@ pub(super) fn joints(
         });
     }
     let mut joints = Vec::with_capacity(sections.len());
-    for (section, ([first, second], span)) in sections.iter().zip(&sides) {
-        let law: Box<dyn ContactLaw> = registry.joint_law(section)?;
+    for ((section, law), ([first, second], span)) in sections.iter().zip(laws).zip(&sides) {
         let options = options(&mesh, section)?;
         let surface = JointSurface::between(&mesh, first, second, &options);
         let surface = surface.map_err(|error| Fault::refused(span.clone(), error))?;

@@ -10,7 +10,7 @@ use powerhouse_wavefield::{
 };
 
 use super::damping::damping;
-use super::ground::{FASTER, QUIETER, kind, motion, note_arrivals, refused_wave, unclear_axis};
+use super::ground::{FASTER, QUIETER, motion, note_arrivals, refused_wave, unclear_axis};
 use super::motion::{Split, split};
 use super::origin::Origin;
 use super::record::PreparedRecord;
@@ -102,14 +102,14 @@ pub(super) fn waves<'r>(
     let bottoms = bottoms.map(|(_, layer)| layer.bottom);
     let lowest = bottoms.fold(low.z.min(ground.surface()), f64::min);
     for table in &file.waves {
-        let mut parameters = LayeredWaveParameters::vertical(kind(table), ground.clone(), lowest);
+        let mut parameters = LayeredWaveParameters::vertical(table.kind, ground.clone(), lowest);
         parameters.incidence = Angle::from_degrees(table.incidence.get());
         parameters.azimuth = Angle::from_degrees(table.azimuth.map_or(0.0, Azimuth::get));
         parameters.reference = match &table.reference {
             Some(reference) => vector(reference),
             None => {
                 let (half_space, surface) = (ground.half_space(), ground.surface());
-                let mut plane = PlaneWaveParameters::vertical(kind(table), half_space, surface);
+                let mut plane = PlaneWaveParameters::vertical(table.kind, half_space, surface);
                 plane.incidence = parameters.incidence;
                 plane.azimuth = parameters.azimuth;
                 first_hit_corner(&low, &high, &plane.direction())

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use powerhouse_io::gmsh::{GmshGroup, GmshReport};
 use powerhouse_io::inp::InpReport;
 use powerhouse_io::{MeshOptions, PackedMesh};
-use powerhouse_model::{Axis, Mesh, ParameterError, Vec3};
+use powerhouse_model::{Mesh, ParameterError, Vec3};
 
 use super::ordered;
 use crate::Registry;
@@ -261,12 +261,7 @@ fn of_inp(report: InpReport) -> Vec<Remark> {
 
 /// Plane slice of a mesh.
 fn sliced(mesh: &Mesh, slice: &At<spec::Slice>) -> Result<Mesh, Fault> {
-    let axis = match slice.across {
-        spec::SliceAxis::X => Axis::X,
-        spec::SliceAxis::Y => Axis::Y,
-        spec::SliceAxis::Z => Axis::Z,
-    };
-    let sliced = mesh.plane_slice(axis, slice.at.get());
+    let sliced = mesh.plane_slice(slice.across, slice.at.get());
     sliced.map_err(|error| Fault::refused(slice.span(), error))
 }
 

@@ -22,10 +22,9 @@ mod water_warning;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use powerhouse_model::{Facet, Mesh, MeshError, Precision, Vec3};
-use serde::Deserialize;
+use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
 
-use crate::spec::{self, Allowance, At, Finite, Load, NonNegative, SceneSpec};
+use crate::spec::{self, Allowance, At, Finite, Load, NonNegative, Registered, SceneSpec};
 use crate::{CheckpointPlan, Registry, keys, registry};
 use powerhouse_laws::Material;
 use powerhouse_scene::internal::{Leapfrog, NamedThing, OneSided, sets_with};
@@ -41,20 +40,16 @@ pub(crate) use target::target_spectrum;
 
 /// Composes the scene of a file.
 pub(crate) fn compose(
-    text: &SceneText,
+    (text, registry): (&SceneText, &Registry),
     file: &SceneSpec,
-    registry: &Registry,
+    registered: Registered,
 ) -> Result<Draft, Fault> {
-    let mut materials = materials(file, registry)?;
+    let mut materials = materials(file, registered.materials)?;
     let parts = parts(file, &materials, registry)?;
-    let boundary = match &file.boundary {
-        Some(section) => Some(registry.boundary(section)?),
-        None => None,
-    };
     let records = record::records(text, file, registry)?;
     let (mesh, of_mesh, in_use) = mesh::mesh(text, file, registry)?;
     check_rims(&mesh, file)?;
-    let (mesh, joints) = joints::joints(mesh, &file.joints, registry)?;
+    let (mesh, joints) = joints::joints(mesh, &file.joints, registered.joint_laws)?;
     let names = Names { mesh: &mesh };
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
@@ -75,7 +70,7 @@ pub(crate) fn compose(
     scene.joints = joints;
     scene.start = file.time.start.as_ref().map_or(0.0, |start| start.get());
     scene.duration = file.time.duration.get();
-    scene.initial = (*file.time.initial).into();
+    scene.initial = *file.time.initial;
     scene.step = match *file.time.step {
         spec::Step::Auto => TimeStep::OfStable(file.time.safety.map_or(1.0, |s| s.get())),
         spec::Step::Seconds(step) => TimeStep::Seconds(step),
@@ -92,12 +87,8 @@ pub(crate) fn compose(
         spec::Scheme::Leapfrog => Box::new(Leapfrog),
         spec::Scheme::OneSided => Box::new(OneSided),
     };
-    scene.precision = match file.precision {
-        spec::Precision::F64 => Precision::F64,
-        spec::Precision::Mixed => Precision::Mixed,
-        spec::Precision::F32 => Precision::F32,
-    };
-    scene.residual = file.energy_residual.into();
+    scene.precision = file.precision;
+    scene.residual = file.energy_residual;
     scene.places.step = file.time.step.span();
     scene.places.scheme = file.time.scheme.span();
     let of_waves = file.waves.iter().map(|wave| wave.incidence.span());
@@ -107,7 +98,7 @@ pub(crate) fn compose(
     scene.places.start = start.map_or(first.clone(), At::span);
     scene.places.field = first;
     scene.self_check = file.self_check.as_ref().map(|limit| limit.get());
-    if let (Some(section), Some(condition)) = (&file.boundary, boundary) {
+    if let (Some(section), Some(condition)) = (&file.boundary, registered.boundary) {
         for face in &section.faces {
             names.facets(face)?;
         }
@@ -188,7 +179,7 @@ pub(crate) fn compose(
     scene.threads = file.threads.as_ref().map(|threads| threads.get());
     loads::supports(&names, &file.supports, &records, &mut scene)?;
     if let Some(section) = &file.boundary {
-        let long = long_body(file, section, &scene)?;
+        let long = long_body(file, section, &scene);
         scene.remarks.extend(long);
     }
     loads::loads(&names, &file.loads, &mut scene)?;
@@ -202,9 +193,9 @@ pub(crate) fn compose(
         &scene.joints,
         file.time.duration.get(),
     )?;
-    for request in &file.output.own {
-        let sampler = registry.output(request)?(&mesh);
-        let sampler = sampler.map_err(|error| registry::placed(&request.parameters, error))?;
+    for (request, output) in file.output.own.iter().zip(&registered.outputs) {
+        let sampler =
+            output(&mesh).map_err(|error| registry::placed(&request.parameters, error))?;
         let request = SampledRequest::new(request.name.to_string(), sampler);
         scene.output.sampled.push(request);
     }
@@ -293,32 +284,23 @@ fn empty_sets(names: &Names, file: &SceneSpec) -> Vec<Remark> {
 
 /// Warning about springs for spherical spreading on a model of a long body: a slice, or a body between periodic ends or
 /// rollers on two opposite sides.
-fn long_body(
-    file: &SceneSpec,
-    section: &spec::BoundarySection,
-    scene: &Draft,
-) -> Result<Option<Remark>, Fault> {
-    #[derive(Deserialize)]
-    struct Spreading {
-        spreading: Option<String>,
-    }
+fn long_body(file: &SceneSpec, section: &spec::BoundarySection, scene: &Draft) -> Option<Remark> {
     if *section.kind != keys::VISCOUS_SPRING {
-        return Ok(None);
+        return None;
     }
-    let Spreading { spreading } = section.parameters.decode()?;
-    let is_cylindrical = spreading.is_some_and(|spreading| spreading == keys::CYLINDRICAL);
+    let spreading = section.parameters.get(keys::SPREADING);
+    let is_cylindrical = spreading.is_some_and(|spreading| spreading == keys::CYLINDRICAL.into());
     let ends = match &file.mesh.slice {
         Some(_) => Some("a slice"),
         None => scene.repeated_by(),
     };
     let remark = |ends| Remark::from(remark::SphericalSpreading { ends });
-    Ok(ends.filter(|_| !is_cylindrical).map(remark))
+    ends.filter(|_| !is_cylindrical).map(remark)
 }
 
-fn materials(file: &SceneSpec, registry: &Registry) -> Result<BTreeMap<String, Material>, Fault> {
+fn materials(file: &SceneSpec, made: Vec<Material>) -> Result<BTreeMap<String, Material>, Fault> {
     let mut materials = BTreeMap::new();
-    for table in &file.materials {
-        let material = registry.material(table)?;
+    for (table, material) in file.materials.iter().zip(made) {
         let level = table.pore_water.as_ref().and_then(|water| {
             let level = water
                 .level

@@ -307,8 +307,8 @@ fn bolts(names: &Names, bolts: &spec::Bolt) -> Result<SceneBolts, Fault> {
             .map(|grout| powerhouse_elements::Grout {
                 stiffness: grout.stiffness.get(),
                 strength: grout.strength.map_or(f64::INFINITY, Positive::get),
-                head: end(grout.head),
-                toe: end(grout.toe),
+                head: grout.head,
+                toe: grout.toe,
             }),
         longest_segment: or_unlimited(&bolts.longest_segment),
     };
@@ -330,13 +330,6 @@ fn bolts(names: &Names, bolts: &spec::Bolt) -> Result<SceneBolts, Fault> {
         layout,
         parameters,
     })
-}
-
-fn end(end: spec::BoltEnd) -> powerhouse_elements::BoltEnd {
-    match end {
-        spec::BoltEnd::Free => powerhouse_elements::BoltEnd::Free,
-        spec::BoltEnd::Anchored => powerhouse_elements::BoltEnd::Anchored,
-    }
 }
 
 /// Stage without its loads, which depend on the active elements.

@@ -2,7 +2,7 @@
 
 use powerhouse_boundary::AxisParameters;
 
-use super::quantity::words_or_number;
+use powerhouse_model::keys::words_or_number;
 
 /// Velocity ratio B of a viscous-spring boundary: physical over apparent wave speed, by which dashpots are
 /// multiplied.

@@ -10,7 +10,7 @@ use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::At;
-use super::quantity::StepFactor;
+use super::StepFactor;
 
 /// Fibres of the dynamic run.
 #[derive(Clone, Debug, Default, PartialEq)]

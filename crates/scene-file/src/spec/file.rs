@@ -8,7 +8,10 @@ use std::sync::Arc;
 use super::former::FormerKey;
 use super::node::Node;
 use super::{Allowance, At, RecordCase, SceneSpec, decode, former, record_set, survey};
+use crate::registry::OutputKind;
 use crate::{KeyChange, Registry, resolve};
+use powerhouse_laws::Material;
+use powerhouse_model::{AbsorbingBoundary, ContactLaw};
 use powerhouse_scene::internal::{NamedThing, check_names};
 use powerhouse_scene::magnitude::Magnitude;
 use powerhouse_scene::{Error, Fault, Problem, SceneFault, SceneText};
@@ -16,6 +19,16 @@ use powerhouse_wavefield::{DesignSpectrum, TimeHistory};
 
 /// Largest size of a scene file (bytes).
 const LARGEST: u64 = 64 << 20;
+
+/// What a registry makes of the tables of a scene, in their order.
+pub(crate) struct Registered {
+    pub(crate) materials: Vec<Material>,
+    pub(crate) joint_laws: Vec<Box<dyn ContactLaw>>,
+    pub(crate) boundary: Option<Arc<dyn AbsorbingBoundary>>,
+    pub(crate) outputs: Vec<OutputKind>,
+    /// Quantities of the file outside their usual range.
+    pub(crate) unusual: Vec<Magnitude>,
+}
 
 /// Scene file: its text and its tables, of which every value has its byte range.
 ///
@@ -131,8 +144,8 @@ impl SceneFile {
         Ok(spec)
     }
 
-    /// Checks the keys of the scene and of all its cases without mesh and records; returns the scene, or the one of a case, and
-    /// the quantities outside their usual range.
+    /// Checks the keys of the scene and of all its cases without mesh and records; returns the scene, or the one of a case,
+    /// and what was made of its tables.
     ///
     /// All cases are checked at once, so that a sweep does not fail in its last case after hours.
     ///
@@ -142,46 +155,49 @@ impl SceneFile {
         &self,
         case: Option<&str>,
         registry: &Registry,
-    ) -> Result<(SceneSpec, Vec<Magnitude>), Error> {
+    ) -> Result<(SceneSpec, Registered), Error> {
         let own = self.spec(None)?;
-        let magnitudes = self
-            .check(&own, registry)
-            .map_err(|fault| self.fault(fault))?;
-        let spec = match case {
-            Some(name) => self.spec(Some(name))?,
-            None => {
-                for case in &own.cases {
-                    let of_case = self.spec(Some(&case.name))?;
-                    let checked = of_case.check_registered(registry);
-                    checked.map_err(|fault| self.fault(fault).in_case(Some(case.name.as_str())))?;
-                }
-                own
-            }
+        let checked = self.check(&own, registry);
+        let checked = checked.map_err(|fault| self.fault(fault))?;
+        let of_case = |name: &str| {
+            let spec = self.spec(Some(name))?;
+            let registered = spec.registered(registry);
+            let registered = registered.map_err(|fault| self.fault(fault).in_case(Some(name)))?;
+            Ok::<_, Error>((spec, registered))
         };
-        Ok((spec, magnitudes))
+        if let Some(name) = case {
+            let (spec, registered) = of_case(name)?;
+            let unusual = checked.unusual;
+            let registered = Registered {
+                unusual,
+                ..registered
+            };
+            return Ok((spec, registered));
+        }
+        for case in &own.cases {
+            of_case(&case.name)?;
+        }
+        Ok((own, checked))
     }
 
-    /// Checks the keys of the scene without mesh and records; returns the quantities outside their usual range.
+    /// Checks the keys of the scene without mesh and records; returns what was made of its tables.
     ///
     /// # Errors
     /// The first fault with its byte range.
-    pub(crate) fn check(
-        &self,
-        spec: &SceneSpec,
-        registry: &Registry,
-    ) -> Result<Vec<Magnitude>, Fault> {
+    pub(crate) fn check(&self, spec: &SceneSpec, registry: &Registry) -> Result<Registered, Fault> {
         let allowed = spec.allow.iter().any(|a| **a == Allowance::Magnitudes);
         let unusual = survey::survey(&self.tables)?;
         // Errors of laws are reported before quantities outside their usual range.
-        spec.check_registered(registry)?;
+        let registered = spec.registered(registry)?;
         if let (Some((magnitude, place)), false) = (unusual.first(), allowed) {
             return Err(Fault::of_magnitude(place.clone(), magnitude.clone()));
         }
         check_cases(spec)?;
-        Ok(unusual
-            .into_iter()
-            .map(|(magnitude, _)| magnitude)
-            .collect())
+        let unusual = unusual.into_iter().map(|(magnitude, _)| magnitude);
+        Ok(Registered {
+            unusual: unusual.collect(),
+            ..registered
+        })
     }
 
     /// A fault with this text.
@@ -223,21 +239,25 @@ impl SceneSpec {
         let found = resolve::target_spectrum(self, record);
         found.map_err(|fault| self.file().fault(fault).in_case(self.case()))
     }
-    /// Checks the keys of laws and boundaries with the registry.
-    fn check_registered(&self, registry: &Registry) -> Result<(), Fault> {
-        for material in &self.materials {
-            registry.material(material)?;
-        }
-        for joint in &self.joints {
-            registry.joint_law(joint)?;
-        }
-        if let Some(boundary) = &self.boundary {
-            registry.boundary(boundary)?;
-        }
-        for output in &self.output.own {
-            registry.output(output)?;
-        }
-        self.check_references()
+    /// Makes laws, boundary and outputs of their tables, and checks the names in others.
+    fn registered(&self, registry: &Registry) -> Result<Registered, Fault> {
+        let (materials, joints) = (self.materials.iter(), self.joints.iter());
+        let (boundary, outputs) = (self.boundary.as_ref(), self.output.own.iter());
+        let registered = Registered {
+            materials: materials
+                .map(|table| registry.material(table))
+                .collect::<Result<_, _>>()?,
+            joint_laws: joints
+                .map(|table| registry.joint_law(table))
+                .collect::<Result<_, _>>()?,
+            boundary: boundary.map(|table| registry.boundary(table)).transpose()?,
+            outputs: outputs
+                .map(|table| registry.output(table))
+                .collect::<Result<_, _>>()?,
+            unusual: Vec::new(),
+        };
+        self.check_references()?;
+        Ok(registered)
     }
 
     /// Checks that materials and records have names of their own, and that those of parts, layers, stages, waves and motions

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     At, Azimuth, EquivalentLinear, Finite, Incidence, NonNegative, Parameters, Positive, Pulse,
-    RecordSpectrum, Share, Stations, is_default,
+    RecordSpectrum, Share, Stations, WaveKind, is_default,
 };
 
 /// Ground motion record (accelerogram) and its processing, in this order: units, cut, baseline correction, scaling
@@ -323,19 +323,6 @@ pub struct Wave {
     pub reference: Option<At<[Finite; 3]>>,
     /// Factor on the motion (dimensionless), 1 by default.
     pub factor: Option<Finite>,
-}
-
-/// Type of a body wave.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
-#[non_exhaustive]
-#[serde(rename_all = "kebab-case")]
-pub enum WaveKind {
-    /// Compressional wave.
-    P,
-    /// Shear wave polarised in the vertical plane of travel.
-    Sv,
-    /// Shear wave polarised horizontally.
-    Sh,
 }
 
 /// Absorbing boundary on outer faces of the mesh: its kind in the registry and its parameters.

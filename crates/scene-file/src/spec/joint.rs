@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::quantity::words_or_number;
 use super::{At, Finite, GroundWater, NonNegative, Parameters, Positive};
+use powerhouse_model::keys::words_or_number;
 
 /// Joint: two facing surfaces of the mesh with their initial state and the contact law of their tractions.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]

@@ -4,7 +4,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{At, Finite, NonNegative, Parameters, Positive, Reference, Share};
+use super::{At, Finite, NonNegative, Parameters, Positive, ReferenceFrequency, Share};
 
 /// Material: a constitutive law of the registry and its parameters.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -109,7 +109,7 @@ pub enum Damping {
         mechanisms: Option<At<usize>>,
         /// Reference frequency at which the moduli, and with them the wave speeds, are those of the material: a
         /// number (Hz), `"centre"` (geometric centre of the band; the default) or `"static"` (zero frequency).
-        reference: Option<At<Reference>>,
+        reference: Option<At<ReferenceFrequency>>,
         /// Damping ratio at the highest natural frequency of the part's elements, above 0 and at most 1, by a viscosity beside the
         /// mechanisms, as of the kind `high`; none by default.
         high: Option<Share>,

@@ -28,11 +28,8 @@ mod motion;
 mod node;
 mod output;
 mod parameters;
-mod quantity;
 mod read;
 mod record_set;
-mod reference;
-mod residual;
 mod stage;
 mod stations;
 mod survey;
@@ -55,11 +52,11 @@ pub use dashpot::DashpotRatio;
 pub(crate) use decode::{decode_materials, decode_tagged};
 pub use fibres::{FibreSection, Fibres};
 pub use file::SceneFile;
-pub(crate) use file::read_text;
+pub(crate) use file::{Registered, read_text};
 pub use function::{Function, Pulse};
 pub use ground::{
     Baseline, BoundarySection, Channels, Columns, Component, Convention, Count, Ground, Length,
-    Record, Region, Space, Units, Wave, WaveAxis, WaveKind, Within,
+    Record, Region, Space, Units, Wave, WaveAxis, Within,
 };
 pub use joint::{Gap, JointSection, Preload, Zone};
 pub use layer::{EquivalentLinear, Layer, StrainCurves};
@@ -72,20 +69,22 @@ pub use output::{
     Reinforcement, Ring, Section,
 };
 pub use parameters::Parameters;
-pub use quantity::{
+pub use powerhouse_elements::BoltEnd;
+pub use powerhouse_material_damage::ReferenceFrequency;
+pub use powerhouse_model::keys::{
     AmplitudeRatio, Azimuth, Finite, Incidence, NonNegative, PoissonRatio, Positive, Share,
     StepFactor,
 };
+pub use powerhouse_model::{Axis, Precision};
+pub use powerhouse_scene::{InitialMotion, ResidualLimit};
+pub use powerhouse_wavefield::WaveKind;
 pub use record_set::{FragilityCurve, RecordCase, RecordSet, SetComponents};
-pub use reference::Reference;
-pub use residual::Residual;
 pub use stage::{
-    Bolt, BoltEnd, GroundWater, InSituStress, Stage, StageSupport, StageWater, StaticMethod,
-    StressLayer,
+    Bolt, GroundWater, InSituStress, Stage, StageSupport, StageWater, StaticMethod, StressLayer,
 };
 pub use stations::{Interpolation, StationAxis, Stations};
 pub use target::{Ground8, RecordSpectrum, Site, SpectrumMeans, Target};
-pub use time::{InitialMotion, Precision, Scheme, Step, Time};
+pub use time::{Scheme, Step, Time};
 
 /// A scene: mesh, materials, joints, ground motion, boundary, construction stages, time stepping and output of
 /// one analysis.
@@ -164,7 +163,7 @@ pub struct SceneSpec {
     /// energy stored or put in until then. `"auto"` (1e-7 in double precision, 1e-4 in mixed, 1e-2 in
     /// single; the default), a number above 0 and at most 1, or `"off"`.
     #[serde(default, skip_serializing_if = "is_default")]
-    pub energy_residual: Residual,
+    pub energy_residual: ResidualLimit,
     /// Number of computing threads; all of the machine by default. Results do not depend on it.
     pub threads: Option<At<NonZeroUsize>>,
     /// Checkpoints of the run, from which it can be resumed, and states that are kept after it.
@@ -302,22 +301,9 @@ pub struct MeshBox {
 #[serde(deny_unknown_fields)]
 pub struct Slice {
     /// Normal of the plane: the axis along which the mesh is uniform.
-    pub across: SliceAxis,
+    pub across: Axis,
     /// Coordinate of the plane along the axis (m), after `scale`.
     pub at: Finite,
-}
-
-/// Coordinate axis normal to a slice.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
-#[non_exhaustive]
-#[serde(rename_all = "kebab-case")]
-pub enum SliceAxis {
-    /// First horizontal axis.
-    X,
-    /// Second horizontal axis.
-    Y,
-    /// Vertical axis, upwards.
-    Z,
 }
 
 fn is_one(number: &Positive) -> bool {

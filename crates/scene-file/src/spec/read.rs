@@ -59,8 +59,7 @@ impl std::error::Error for Misfit {}
 
 impl Error for Misfit {
     fn custom<T: fmt::Display>(message: T) -> Self {
-        let message = message.to_string();
-        Problem::Syntax { message }.into()
+        Problem::Refused(message.to_string().into()).into()
     }
     fn invalid_type(found: Unexpected, expected: &dyn Expected) -> Self {
         Self::value(&found, expected)
@@ -143,6 +142,7 @@ impl<'de> Deserializer<'de> for &'de Node {
             Value::Table(table) => visitor.visit_map(Entries {
                 entries: table.iter(),
                 node: None,
+                rest: None,
             }),
         };
         read.map_err(|misfit| misfit.at(&self.span))
@@ -181,7 +181,7 @@ impl<'de> Deserializer<'de> for &'de Node {
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         name: &'static str,
-        _fields: &'static [&'static str],
+        fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         if name == SPANNED {
@@ -191,6 +191,13 @@ impl<'de> Deserializer<'de> for &'de Node {
             });
         }
         self.no_list()?;
+        if fields.contains(&SAME_TABLE) {
+            let part = Part {
+                table: self,
+                known: Vec::new(),
+            };
+            return part.deserialize_struct(name, fields, visitor);
+        }
         self.deserialize_any(visitor)
     }
     fn deserialize_enum<V: Visitor<'de>>(
@@ -247,21 +254,69 @@ impl<'de> SeqAccess<'de> for Items<'de> {
     }
 }
 
+/// Name of a field that takes its own fields from the same table.
+const SAME_TABLE: &str = "+";
+
+/// The keys of a table that are fields of a structure. The others are those of the structures around it, and of the one in
+/// its field [`SAME_TABLE`].
+struct Part<'de> {
+    table: &'de Node,
+    /// Keys of the structures around it.
+    known: Vec<&'static str>,
+}
+
+impl<'de> Deserializer<'de> for Part<'de> {
+    type Error = Misfit;
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        self.table.deserialize_any(visitor)
+    }
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        let Self { table, mut known } = self;
+        known.extend(fields.iter().filter(|field| **field != SAME_TABLE));
+        let entries = || table.as_table().into_iter().flat_map(Table::iter);
+        let is_last = !fields.contains(&SAME_TABLE);
+        if is_last && let Some((key, entry)) = entries().find(|(key, _)| !known.contains(key)) {
+            let (key, permitted) = (key.to_owned(), names(&known));
+            return Err(Misfit::from(Problem::UnknownKey { key, permitted }).at(&entry.key));
+        }
+        let read = visitor.visit_map(Entries {
+            entries: entries().filter(|(key, _)| *key != SAME_TABLE && fields.contains(key)),
+            node: None,
+            rest: (!is_last).then_some(Self { table, known }),
+        });
+        read.map_err(|misfit| misfit.at(&table.span))
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option
+        unit unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
 /// Keys and values of a table.
 struct Entries<'de, I: Iterator<Item = (&'de str, &'de Entry)>> {
     entries: I,
     /// Value of the last key.
     node: Option<&'de Node>,
+    /// The table, if a part of it is to follow its keys.
+    rest: Option<Part<'de>>,
 }
 
-impl<'de, I: ExactSizeIterator<Item = (&'de str, &'de Entry)>> MapAccess<'de> for Entries<'de, I> {
+impl<'de, I: Iterator<Item = (&'de str, &'de Entry)>> MapAccess<'de> for Entries<'de, I> {
     type Error = Misfit;
     fn next_key_seed<K: DeserializeSeed<'de>>(
         &mut self,
         seed: K,
     ) -> Result<Option<K::Value>, Misfit> {
         let Some((key, entry)) = self.entries.next() else {
-            return Ok(None);
+            let key = de::value::BorrowedStrDeserializer::new(SAME_TABLE);
+            let part = self.rest.as_ref();
+            return part.map(|_| seed.deserialize(key)).transpose();
         };
         self.node = Some(&entry.node);
         let read = seed.deserialize(de::value::BorrowedStrDeserializer::new(key));
@@ -274,11 +329,11 @@ impl<'de, I: ExactSizeIterator<Item = (&'de str, &'de Entry)>> MapAccess<'de> fo
                 let read = seed.deserialize(node);
                 read.map_err(|misfit| misfit.at(&node.span))
             }
-            None => Err(Misfit::custom("a value without a key")),
+            None => match self.rest.take() {
+                Some(part) => seed.deserialize(part),
+                None => Err(Misfit::custom("a value without a key")),
+            },
         }
-    }
-    fn size_hint(&self) -> Option<usize> {
-        Some(self.entries.len())
     }
 }
 

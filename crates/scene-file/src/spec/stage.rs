@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{At, Finite, Load, NonNegative, Positive, Share, is_default};
+use super::{At, BoltEnd, Finite, Load, NonNegative, Positive, Share, is_default};
 
 /// In-situ stress of the ground before the first construction stage. Elements that are cast later are free of it.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -146,18 +146,6 @@ pub struct Grout {
     /// End condition of the toe: `free` (grout alone; the default) or `anchored`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub toe: BoltEnd,
-}
-
-/// End condition of a bolt in grout.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
-#[non_exhaustive]
-#[serde(rename_all = "kebab-case")]
-pub enum BoltEnd {
-    /// No anchor: the end is held by the grout alone.
-    #[default]
-    Free,
-    /// Anchored: no slip between bolt end and rock, as by a plate or an expansion shell.
-    Anchored,
 }
 
 /// Construction stage: changes of the model, followed by the computation of static equilibrium.

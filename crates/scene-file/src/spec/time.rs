@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::quantity::words_or_number;
-use super::{At, Fibres, Finite, Positive, Share, is_default};
+use super::{At, Fibres, Finite, InitialMotion, Positive, Share, is_default};
+use powerhouse_model::keys::words_or_number;
 
 /// Time integration of the dynamic run: duration, start, step and scheme.
 #[derive(Clone, Debug, Deserialize, JsonSchema, Serialize, PartialEq)]
@@ -38,26 +38,6 @@ pub struct Time {
     pub scheme: At<Scheme>,
 }
 
-/// Motion of the body at the start of the run.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum InitialMotion {
-    /// Zero displacement and velocity.
-    #[default]
-    Rest,
-    /// Displacement and velocity of the incident field.
-    Field,
-}
-
-impl From<InitialMotion> for powerhouse_scene::InitialMotion {
-    fn from(initial: InitialMotion) -> Self {
-        match initial {
-            InitialMotion::Rest => Self::Rest,
-            InitialMotion::Field => Self::Field,
-        }
-    }
-}
-
 /// Time step of the dynamic run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -85,20 +65,4 @@ pub enum Scheme {
     /// Explicit scheme with one-sided velocity of Wang, Chen & Xiao (2019), Eqs. (14)-(17). An error unless the
     /// stiffness damping coefficient is at least half a step.
     OneSided,
-}
-
-/// Floating-point precision of nodal and element arithmetic.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, Serialize, PartialEq, Eq)]
-#[non_exhaustive]
-#[serde(rename_all = "kebab-case")]
-pub enum Precision {
-    /// Double precision throughout.
-    #[default]
-    F64,
-    /// Mixed precision: nodes in double, element arithmetic in single precision, except at most a tenth of the
-    /// elements, those of the highest natural frequencies.
-    Mixed,
-    /// Single precision: as mixed, with nodal velocities and forces in single precision; displacements stay in
-    /// double.
-    F32,
 }

@@ -175,6 +175,10 @@ impl Fault {
     pub fn of_magnitude(span: Range<usize>, magnitude: Magnitude) -> Self {
         Self::new(span, Problem::Magnitude(magnitude)).with_help(ALLOW_MAGNITUDES)
     }
+    /// Byte range of the fault.
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
     /// Type of the fault.
     pub fn problem(&self) -> &Problem {
         &self.problem

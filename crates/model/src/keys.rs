@@ -1,11 +1,17 @@
-//! Numbers with a permitted range, which is checked when they are read, and words in the place of numbers.
+//! Parameters as keys of scene files: numbers with a permitted range, which is checked when they are read.
+//!
+//! A field that holds `f64` or `Option<f64>` is read as one of these numbers, and documented as such in the JSON schema, by
+//! the attribute `#[serde(with = "Positive")]`. Scene files know three more forms of keys. A field that is renamed to `+`
+//! takes its own fields from the same table, `table.key` is a key of a table within, and a key without a value has that of
+//! the key that the schema names as `x-like`, times `x-times`.
 
 use core::fmt;
 use std::borrow::Cow;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+pub use schemars::JsonSchema;
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+pub use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 macro_rules! quantity {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $valid:expr, $schema:tt) => {
@@ -22,6 +28,26 @@ macro_rules! quantity {
             /// Value of the number.
             pub fn get(self) -> f64 {
                 self.0
+            }
+            /// Reads the number into a field.
+            ///
+            /// # Errors
+            /// A value that is no number, or outside the range.
+            pub fn deserialize<'de, D: Deserializer<'de>, T: From<f64>>(
+                deserializer: D,
+            ) -> Result<T, D::Error> {
+                <Self as Deserialize>::deserialize(deserializer).map(|number| number.0.into())
+            }
+            /// Writes the number of a field.
+            ///
+            /// # Errors
+            /// Those of the serializer.
+            pub fn serialize<S: Serializer, T: Copy + Into<Option<f64>>>(
+                number: &T,
+                serializer: S,
+            ) -> Result<S::Ok, S::Error> {
+                let number: Option<f64> = (*number).into();
+                number.serialize(serializer)
             }
         }
 
@@ -65,7 +91,9 @@ macro_rules! quantity {
     };
 }
 
-/// Implements the reading and writing of an enum whose variants are words, and one a number within a range.
+/// Implements the reading and writing of an enum as a key: variants that are words, and one that is a number within a range.
+/// The crate of the enum needs `serde` and `schemars`.
+#[macro_export]
 macro_rules! words_or_number {
     (
         $name:ident { $($word:literal => $variant:ident,)* number => $number:ident }
@@ -120,7 +148,7 @@ macro_rules! words_or_number {
         }
     };
 }
-pub(super) use words_or_number;
+pub use words_or_number;
 
 quantity! {
     /// Finite number.
@@ -172,4 +200,14 @@ quantity! {
     /// Amplitude ratio A of a viscous-spring boundary, 0 to 100.
     AmplitudeRatio, "a number of 0 to 100", |x| (0.0..=100.0).contains(&x),
     { "type": "number", "minimum": 0, "maximum": 100 }
+}
+
+/// Default of a switch that is on.
+pub fn yes() -> bool {
+    true
+}
+
+/// Default of a number: `N / D`.
+pub fn ratio<const N: i32, const D: i32>() -> f64 {
+    f64::from(N) / f64::from(D)
 }
