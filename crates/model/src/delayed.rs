@@ -1,4 +1,4 @@
-//! Delayed pairs of nodes: the two sides of a slice under waves of any azimuth.
+//! Delayed pairs of nodes: the two sides of a slice, or the two ends of a bay, under waves of any azimuth.
 
 /// Delayed pairs: nodes of the two sides of a slice along y, of which the side of larger y moves as the other one does, but later.
 ///
@@ -7,6 +7,9 @@
 /// the motion of the whole body. Its nodes are at `y -+ h/2` with the displacement `U +- (s h / 2) dU/dt`, so that
 /// strains have their part `-s dU/dt` along y; a body of which all nodes are in such pairs is integrated by an
 /// [engine](crate::Engine) in the momentum `rho dU/dt + s (s_xy, s_yy, s_yz)`.
+///
+/// Of a body with further nodes between the two sides these are the ends of one bay of an endless row, which moves by `u = U(x, y, z, t - s y)` with a
+/// `U` that repeats at the ends. All nodes have `U` there, and the strain of each element its part `-s dU/dt`.
 ///
 /// In static solutions the nodes of a pair have one motion, as those of [`PeriodicPairs`](crate::PeriodicPairs) do.
 #[derive(Clone, Debug, Default, PartialEq)]
