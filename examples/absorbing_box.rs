@@ -80,7 +80,7 @@ fn surface_motion(cells: usize, faces: Faces) -> Outcome<Vec<f64>> {
         }
     };
     let results = scene.prepare()?.run(RunHooks::default())?;
-    let column = results.histories.column("beside.uz").ok_or("no column")?;
+    let column = results.histories().column("beside.uz").ok_or("no column")?;
     Ok(column.values.clone())
 }
 

@@ -121,10 +121,10 @@ impl BlockWave {
         let seconds = started.elapsed().as_secs_f64();
 
         let (mut difference, mut reference) = (0.0, 0.0);
-        for (row, &time) in results.histories.times.iter().enumerate() {
+        for (row, &time) in results.histories().times.iter().enumerate() {
             let mut exact = [FieldMotion::default()];
             sampler.add_motion(time, &mut exact);
-            for (axis, column) in results.histories.columns.iter().enumerate() {
+            for (axis, column) in results.histories().columns.iter().enumerate() {
                 let exact = exact[0].displacement[axis];
                 difference += (column.values[row] - exact).powi(2);
                 reference += exact.powi(2);

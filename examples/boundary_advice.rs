@@ -389,7 +389,11 @@ fn ask(question: &dyn Question, figures: &mut Figures) -> Outcome<()> {
         |mesh: Mesh, kind: &BoundaryKind, region: Option<Vec<u32>>| -> Outcome<HistoryTable> {
             let scene = question.scene(mesh, advice.condition(kind)?, region)?;
             let scene = scene.with_step(TimeStep::Seconds(step));
-            Ok(scene.prepare()?.run(RunHooks::default())?.histories)
+            Ok(scene
+                .prepare()?
+                .run(RunHooks::default())?
+                .histories()
+                .clone())
         };
     let best = &advice.candidates.first().ok_or("no candidate")?.kind;
     // Waves enter through the elements behind the small mesh's faces, so that both meshes have the same dispersion.

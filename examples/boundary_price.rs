@@ -156,7 +156,7 @@ fn drift(speed_ratio: Option<f64>, precision: Precision, steps: usize) -> Outcom
         .with_output(output.history("top", Place::NodeSet("top".into()), Motion::DISPLACEMENT))
         .prepare()?
         .run(RunHooks::default())?;
-    let column = results.histories.column("top.uz").ok_or("no column")?;
+    let column = results.histories().column("top.uz").ok_or("no column")?;
     let values = &column.values;
     let largest = |of: &[f64], from: f64| {
         let sizes = of.iter().map(|u| (u - from).abs());

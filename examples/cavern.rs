@@ -88,7 +88,7 @@ fn composed(data: &Path) -> Outcome<Scene> {
 /// Samples of the horizontal displacement of the crown.
 fn crown(results: &Results) -> Outcome<&[f64]> {
     let column = results
-        .histories
+        .histories()
         .column("crown.ux")
         .ok_or("no history of the crown")?;
     Ok(&column.values)

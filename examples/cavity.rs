@@ -195,6 +195,6 @@ impl CavityModel {
         // A whole number of steps between samples.
         let stable = simulation.stable_step()?.step;
         simulation.set_step(TimeStep::Seconds(sample / (sample / stable).ceil()));
-        Ok(simulation.run(RunHooks::default())?.histories)
+        Ok(simulation.run(RunHooks::default())?.histories().clone())
     }
 }

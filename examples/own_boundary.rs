@@ -122,8 +122,8 @@ fn surface_motion(
         .with_output(OutputPlan::default().history("centre", centre, Motion::DISPLACEMENT))
         .prepare()?
         .run(RunHooks::default())?;
-    let columns = results.histories.columns.into_iter();
-    Ok(columns.flat_map(|column| column.values).collect())
+    let columns = results.histories().columns.iter();
+    Ok(columns.flat_map(|column| &column.values).copied().collect())
 }
 
 fn figures() -> Result<Figures, Box<dyn std::error::Error>> {

@@ -195,7 +195,7 @@ fn shake(material: Material, amplitude: f64) -> Outcome<Results> {
 /// The horizontal displacement of the surface over time, for an incident amplitude (m).
 fn surface_motion(material: Material, amplitude: f64) -> Outcome<Vec<f64>> {
     let results = shake(material, amplitude)?;
-    let column = results.histories.column("top.ux").ok_or("no column")?;
+    let column = results.histories().column("top.ux").ok_or("no column")?;
     Ok(column.values.clone())
 }
 
@@ -262,7 +262,7 @@ fn figures() -> Outcome<Figures> {
     let wide = shake(Material::new(law()), 0.05)?;
     let narrow = shake(Material::from_point_law(AnyLaw::new(law())), 0.05)?;
     let column = |results: &Results, name: &str| -> Outcome<Vec<f64>> {
-        let column = results.histories.column(name).ok_or("no column")?;
+        let column = results.histories().column(name).ok_or("no column")?;
         Ok(column.values.clone())
     };
     let largest = "top soil.largest_shear_strain";

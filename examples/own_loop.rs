@@ -95,9 +95,9 @@ fn difference(kind: WaveKind) -> Outcome<(f64, f64)> {
         .run(RunHooks::default())?;
 
     let (mut largest, mut peak) = (0.0_f64, 0.0_f64);
-    for (row, &time) in results.histories.times.iter().enumerate() {
+    for (row, &time) in results.histories().times.iter().enumerate() {
         let own = own[(time / STEP).round() as usize];
-        for (axis, column) in results.histories.columns.iter().enumerate() {
+        for (axis, column) in results.histories().columns.iter().enumerate() {
             largest = largest.max((own[axis] - column.values[row]).abs());
             peak = peak.max(column.values[row].abs());
         }

@@ -96,7 +96,7 @@ fn difference(edge: f64, layers: usize) -> Outcome<f64> {
     let step = 0.98 * simulation(mesh.clone(), None)?.step()?;
     let [whole, slice] = [mesh, slice].map(|mesh| -> Outcome<_> {
         let results = simulation(mesh, Some(step))?.run(RunHooks::default())?;
-        Ok(results.histories)
+        Ok(results.histories().clone())
     });
     let (whole, slice) = (whole?, slice?);
     let mut worst = 0.0_f64;

@@ -166,7 +166,11 @@ fn motion(far: f64, division: Division, outside: &Outside) -> Outcome<HistoryTab
         .with_duration(DURATION)
         .with_output(output);
     let scene = supports.into_iter().fold(scene, Scene::support);
-    Ok(scene.prepare()?.run(RunHooks::default())?.histories)
+    Ok(scene
+        .prepare()?
+        .run(RunHooks::default())?
+        .histories()
+        .clone())
 }
 
 fn column<'a>(table: &'a HistoryTable, name: &str) -> Outcome<&'a [f64]> {

@@ -201,8 +201,8 @@ impl Arriving {
             .with_duration(duration)
             .with_output(output);
         let scene = shakers.into_iter().fold(scene, Scene::load);
-        let histories = scene.prepare()?.run(RunHooks::default())?.histories;
-        let spectrum = |name: &str| spectrum(&histories, name, frequency);
+        let results = scene.prepare()?.run(RunHooks::default())?;
+        let spectrum = |name: &str| spectrum(results.histories(), name, frequency);
         Ok(Vector4::new(
             spectrum("near sine.ux")?,
             spectrum("near cosine.uz")?,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use powerhouse::engine::Ended;
-use powerhouse::engine::observe::{EnvelopeTable, PeakRow, Snapshot, StateTable};
+use powerhouse::engine::observe::{EnvelopeTable, HistoryTable, PeakRow, Snapshot, StateTable};
 use powerhouse::model::{self, HistoryVariable};
 use powerhouse::{Remark, RunNotes, merge_messages};
 use pyo3::prelude::*;
@@ -164,7 +164,7 @@ impl Results {
         let Done {
             title,
             mesh,
-            results,
+            mut results,
             notes,
             of_checkpoints,
             folder,
@@ -191,13 +191,13 @@ impl Results {
             Ended::Failed(_) => "failed".to_owned(),
         };
         let mut fields = Vec::new();
-        if let Some(table) = results.envelope {
+        if let Some(table) = results.envelope.take() {
             of_envelope(py, table, &mut fields);
         }
-        if let Some(table) = results.state {
+        if let Some(table) = results.state.take() {
             of_state(py, table, &mut fields);
         }
-        let table = |table| Py::new(py, Table::new(py, table));
+        let table = |table: &HistoryTable| Py::new(py, Table::new(py, table.clone()));
         let kept = shots
             .into_iter()
             .map(|shot| Py::new(py, KeptSnapshot::new(py, shot)?));
@@ -209,12 +209,12 @@ impl Results {
             time: results.run.time,
             wall_time: results.wall_time.as_secs_f64(),
             step_time: results.step_time.as_secs_f64(),
-            histories: table(results.histories)?,
-            accelerations: table(results.accelerations)?,
-            sections: table(results.sections)?,
-            energies: table(results.energies)?,
-            joints: table(results.joint_histories)?,
-            bolts: table(results.bolt_histories)?,
+            histories: table(results.histories())?,
+            accelerations: table(results.accelerations())?,
+            sections: table(results.sections())?,
+            energies: table(results.energies())?,
+            joints: table(results.joint_histories())?,
+            bolts: table(results.bolt_histories())?,
             fields,
             peaks: peaks.rows.iter().map(of_peak).collect(),
             peaks_text: peaks.to_string(),

@@ -28,10 +28,10 @@ fn a_bond_changes_nothing_until_it_cracks() {
     let (slid, _) = outcome.first_slip.unwrap();
     assert!(cracked > 1.0 && cracked < 2.0, "{cracked}");
     for name in ["crown.ux", "crown.uz", "crown-to-floor.apart"] {
-        let times = &joint.histories.times;
-        assert_eq!(times, &whole.histories.times);
+        let times = &joint.histories().times;
+        assert_eq!(times, &whole.histories().times);
         let [a, b] =
-            [&joint, &whole].map(|results| &results.histories.column(name).unwrap().values);
+            [&joint, &whole].map(|results| &results.histories().column(name).unwrap().values);
         let size = b.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
         let apart = |within: &dyn Fn(f64) -> bool| {
             let rows = times

@@ -48,7 +48,7 @@ fn a_cavern_on_a_device_has_the_bits_of_the_host() {
         );
         assert!(host.run.device.is_none() && host.run.steps == device.run.steps);
         let bits = |results: &Results| -> Vec<u64> {
-            let tables = [&results.histories, &results.sections];
+            let tables = [results.histories(), results.sections()];
             let columns = tables.into_iter().flat_map(|table| &table.columns);
             let values = columns.flat_map(|column| &column.values);
             values.map(|value| value.to_bits()).collect()

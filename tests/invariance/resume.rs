@@ -143,23 +143,19 @@ impl Case {
 /// All that a run recorded, but for wall times, as text with every digit.
 fn recorded(results: &Results) -> String {
     let Results {
-        histories,
-        sections,
-        energies,
+        tables,
+        lists,
         envelope,
         state,
         joints,
-        joint_histories,
         joint_outcomes,
         bolts,
-        bolt_histories,
         snapshots,
         run,
         ..
     } = results;
     format!(
-        "{histories:?}\n{sections:?}\n{energies:?}\n{envelope:?}\n{state:?}\n{joints:?}\n{joint_histories:?}\n\
-         {joint_outcomes:?}\n{bolts:?}\n{bolt_histories:?}\n{snapshots}\n{run:?}"
+        "{tables:?}\n{lists:?}\n{envelope:?}\n{state:?}\n{joints:?}\n{joint_outcomes:?}\n{bolts:?}\n{snapshots}\n{run:?}"
     )
 }
 
@@ -219,7 +215,7 @@ fn everything_happened(results: &Results) {
             .any(|record| record.state.contact != ContactState::Stick)
     );
     for column in ["plastic", "damage", "relaxation", "dashpots", "friction"] {
-        let column = results.energies.column(column).unwrap();
+        let column = results.energies().column(column).unwrap();
         assert!(column.values.last().unwrap().abs() > 0.0, "{}", column.name);
     }
     assert!(results.snapshots > 2);

@@ -46,8 +46,8 @@ fn results(engine: Option<Arc<dyn Engine>>) -> Results {
 #[test]
 fn a_scene_runs_on_another_engine() {
     let (standard, naive) = (results(None), results(Some(Arc::new(Naive))));
-    let columns = standard.histories.columns.iter();
-    for (expected, found) in columns.zip(&naive.histories.columns) {
+    let columns = standard.histories().columns.iter();
+    for (expected, found) in columns.zip(&naive.histories().columns) {
         assert_eq!(expected.name, found.name);
         let size = expected
             .values
@@ -61,7 +61,7 @@ fn a_scene_runs_on_another_engine() {
             expected.name
         );
     }
-    assert!(!standard.histories.columns.is_empty());
+    assert!(!standard.histories().columns.is_empty());
     let engines = (&standard.run.stable, &naive.run.stable);
     assert!(
         engines.0.is_some() && engines.1.is_none(),

@@ -11,10 +11,10 @@ fn petersson() {
     let mut rows = Vec::new();
     for size in [20, 10, 5] {
         let results = run("beam.toml", &[format!("mesh.file=beam_{size}.msh")]);
-        let history = |name: &str| &results.histories.column(name).expect("a history").values;
+        let history = |name: &str| &results.histories().column(name).expect("a history").values;
         let deflections: Vec<f64> = history("load.uz").iter().map(|u| -1e3 * u).collect();
         let shears = &results
-            .sections
+            .sections()
             .column("half.shear_across")
             .expect("a section")
             .values;

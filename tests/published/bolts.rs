@@ -40,7 +40,7 @@ fn a_cable_is_pulled_out() {
     };
     let (slips, known): (Vec<f64>, Vec<f64>) =
         (0..=1000).map(|i| state(0.004 * f64::from(i))).unzip();
-    let histories = &results.bolt_histories;
+    let histories = results.bolt_histories();
     let forces = &histories.column("bolt.greatest").expect("the bolt").values;
     let row = |millimetres: f64| {
         // 50 mm in 50 ms.

@@ -13,8 +13,12 @@ const FREE: f64 = 0.5;
 /// The circular frequency (rad/s) near one at which the free vibration of the crest has a peak of its spectrum, under a Hann
 /// window.
 fn frequency(results: &Results, column: &str, near: f64) -> f64 {
-    let times = &results.histories.times;
-    let values = &results.histories.column(column).expect("a history").values;
+    let times = &results.histories().times;
+    let values = &results
+        .histories()
+        .column(column)
+        .expect("a history")
+        .values;
     let samples: Vec<(f64, f64)> = (times.iter().copied().zip(values.iter().copied()))
         .filter(|(time, _)| *time >= FREE)
         .collect();

@@ -48,7 +48,7 @@ fn sections_at(degrees: f64) -> [String; 4] {
 
 /// Last value of a column of the sections.
 fn last(results: &Results, name: &str) -> f64 {
-    let column = results.sections.column(name).expect("a section");
+    let column = results.sections().column(name).expect("a section");
     *column.values.last().expect("a row")
 }
 

@@ -7,14 +7,14 @@ use super::{at, greatest, run};
 
 /// A column of the histories.
 fn history<'a>(results: &'a Results, name: &str) -> &'a [f64] {
-    &results.histories.column(name).expect("a history").values
+    &results.histories().column(name).expect("a history").values
 }
 
 /// A plane shear wave in a column: SDLV121 of code_aster, within its tolerances, and against the wave itself at the same instants.
 #[test]
 fn a_plane_wave_in_a_column() {
     let results = run("code_aster_column.toml", &[]);
-    let times = &results.histories.times;
+    let times = &results.histories().times;
     // Millimetres.
     let found = |time: f64| 1e3 * at(times, history(&results, "middle.uy"), time);
     let speed = f64::sqrt(4.44e8 / (2.0 * 1.48 * 1900.0));
@@ -39,7 +39,7 @@ fn a_bar_whose_end_absorbs() {
     // Millimetres.
     let found = |time: f64| {
         let displacement = history(&results, "at-150m.uz");
-        1e3 * at(&results.histories.times, displacement, time)
+        1e3 * at(&results.histories().times, displacement, time)
     };
     let rows = [
         Row::new("displacement at 0.54 s (mm)", 0.99262, found(0.54), 0.001),
@@ -52,7 +52,7 @@ fn a_bar_whose_end_absorbs() {
 #[test]
 fn a_wavelet_enters_doubles_and_leaves() {
     let results = run("opensees_column.toml", &[]);
-    let times = &results.histories.times;
+    let times = &results.histories().times;
     let peak = |name: &str, from: f64, to: f64| {
         let values = history(&results, name).iter().zip(times);
         let values = values.filter(|(_, time)| (from..to).contains(*time));
@@ -80,7 +80,7 @@ fn a_wavelet_enters_doubles_and_leaves() {
 #[test]
 fn a_sudden_load_on_a_column() {
     let results = run("kratos_column.toml", &[]);
-    let times = &results.histories.times;
+    let times = &results.histories().times;
     let speed = f64::sqrt(1e7 * 0.8 / (1.2 * 0.6) / 1855.0);
     let row = |(name, depth): (&str, f64)| {
         let displacement = history(&results, &format!("{name}.uz"));
@@ -104,12 +104,12 @@ fn a_sudden_load_on_a_column() {
 #[test]
 fn a_bar_meets_a_wall() {
     let results = run("code_aster_impact.toml", &[]);
-    let joints = &results.joint_histories;
+    let joints = results.joint_histories();
     let open = &joints.column("face.open").expect("the joint").values;
     let touches = |row: &usize| open[*row] < 0.5;
     let first = (0..open.len()).find(touches).expect("contact");
     let last = (0..open.len()).rfind(touches).expect("contact");
-    let times = &results.histories.times;
+    let times = &results.histories().times;
     let pressures = history(&results, "contact.zz").iter().zip(times);
     let during: Vec<f64> = pressures
         .filter(|(_, time)| (25e-6..95e-6).contains(*time))

@@ -30,7 +30,7 @@ fn run() -> Results {
 
 /// Time, histories and section forces as text, one column each, with its unit.
 fn table(results: &Results) -> String {
-    let (histories, sections) = (&results.histories, &results.sections);
+    let (histories, sections) = (results.histories(), results.sections());
     let columns = || histories.columns.iter().chain(&sections.columns);
     let mut text = String::from("time (s)");
     for column in columns() {

@@ -18,7 +18,7 @@
 //!     .with_output(OutputPlan::default().history("top", top, Motion::DISPLACEMENT))
 //!     .prepare()?
 //!     .run(RunHooks::default())?;
-//! assert!(results.histories.column("top.ux").is_some());
+//! assert!(results.histories().column("top.ux").is_some());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -144,10 +144,10 @@ fn a_failed_run_keeps_what_it_recorded() {
     assert!(results.advice.is_empty(), "{:?}", results.advice);
     assert_eq!(results.run.steps, 9);
     assert_eq!(results.run.ended, Ended::Failed(error.to_string()));
-    let times = &results.histories.times;
+    let times = &results.histories().times;
     assert!(times.len() >= 9, "{times:?}");
     assert_eq!(
-        results.histories.column("top.uz").unwrap().values.len(),
+        results.histories().column("top.uz").unwrap().values.len(),
         times.len()
     );
 
@@ -212,6 +212,34 @@ fn a_folder_of_others_is_left_alone() {
     }
     ResultFolder::new(&folder).clear().unwrap();
     assert!(theirs.iter().all(|file| folder.join(file).exists()));
+}
+
+/// Of the files that a summary lists those below its folder are removed, but for the scene; a table that a killed run has begun, too.
+#[test]
+fn a_summary_names_no_file_elsewhere() {
+    let folder = Folder::new("listed");
+    std::fs::create_dir_all(folder.join("out/lists")).unwrap();
+    let kept = ["kept.csv", "out/scene.toml", "out/notes.csv"];
+    let gone = ["out/own.csv", "out/lists/own.csv"];
+    for file in kept.iter().chain(&gone) {
+        std::fs::write(folder.join(file), "1").unwrap();
+    }
+    let outside = folder.join("kept.csv");
+    let files = [
+        "",
+        "..",
+        "../kept.csv",
+        &outside.to_string_lossy(),
+        "scene.toml",
+        "lists/own.csv",
+    ];
+    let summary = format!(
+        "{{\"software\": \"powerhouse 0\", \"files\": {files:?}, \"tables\": [\"own.csv\"]}}"
+    );
+    std::fs::write(folder.join("out/summary.json"), summary).unwrap();
+    ResultFolder::new(folder.join("out")).clear().unwrap();
+    assert!(kept.iter().all(|file| folder.join(file).exists()));
+    assert!(!gone.iter().any(|file| folder.join(file).exists()));
 }
 
 /// A results folder is created and tested before a run; one that cannot be created is an error with its path.
@@ -512,7 +540,7 @@ fn tables_grow_while_the_run_goes_on() {
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
     let simulation = cube().with_duration(0.9).prepare().unwrap();
     let (title, mesh) = (simulation.title().to_owned(), simulation.mesh().clone());
-    results.begin(&title).unwrap();
+    results.begin(&simulation).unwrap();
     let mut seen = Vec::new();
     let tables = results.tables().with_interval(std::time::Duration::ZERO);
     let hooks = RunHooks::default()

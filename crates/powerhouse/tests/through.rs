@@ -131,7 +131,7 @@ fn scene(length: f64, wave: LayeredWave, lining: ElasticMedium, through: &[&str]
 /// Histories of stress in the lining, and of its motion, at mid-length: columns one after the other.
 fn run(scene: Scene) -> [Vec<f64>; 2] {
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
-    let columns = &results.histories.columns;
+    let columns = &results.histories().columns;
     ["s", "v"].map(|of| {
         let own = columns.iter().filter(|column| {
             let (_, quantity) = column.name.split_once('.').unwrap();

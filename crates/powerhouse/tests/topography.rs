@@ -209,10 +209,10 @@ fn canyon_error(cells: [usize; 2], degrees: f64) -> [f64; 2] {
         .with_duration(22.0)
         .with_output(output);
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
-    let exact = by_series(degrees, &results.histories.times);
+    let exact = by_series(degrees, &results.histories().times);
     let (mut missed, mut all, mut worst) = (0.0, 0.0, 0.0f64);
     for (index, exact) in exact.iter().enumerate() {
-        let column = results.histories.column(&format!("s{index}.uy")).unwrap();
+        let column = results.histories().column(&format!("s{index}.uy")).unwrap();
         let (mut largest, mut peak) = (0.0f64, 0.0f64);
         for (found, exact) in column.values.iter().zip(exact) {
             missed += (found - exact).powi(2);
@@ -311,7 +311,7 @@ fn crest(half: f64) -> Vec<f64> {
     let scene = read(&folder, SITE).unwrap();
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let columns = ["crest.ux", "crest.uy", "crest.uz"].into_iter();
-    let columns = columns.map(|name| results.histories.column(name).unwrap().values.clone());
+    let columns = columns.map(|name| results.histories().column(name).unwrap().values.clone());
     columns.flatten().collect()
 }
 
@@ -326,7 +326,7 @@ fn a_hill_moves_alike_in_a_larger_box() {
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|u| u * u).sum::<f64>().sqrt();
     let all = norm(&mut large.iter().copied());
     let apart = norm(&mut small.iter().zip(&large).map(|(a, b)| a - b)) / all;
-    let flat = &flat.histories.column("crest.ux").unwrap().values;
+    let flat = &flat.histories().column("crest.ux").unwrap().values;
     let relief = norm(&mut flat.iter().zip(&large).map(|(a, b)| a - b)) / all;
     println!("figure hill.box {apart} {relief}");
     assert!(apart <= 0.05, "{apart}");
@@ -418,7 +418,7 @@ fn a_hill_rests_under_its_weight() {
         |r| matches!(r, Remark::AboveGround(remark::AboveGround { top, .. }) if *top == HILL)
     ));
     let results = simulation.run(RunHooks::default()).unwrap();
-    let crest = &results.histories.column("crest.vz").unwrap().values;
+    let crest = &results.histories().column("crest.vz").unwrap().values;
     let fastest = crest.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert!(fastest < 1e-9, "{fastest}");
 }

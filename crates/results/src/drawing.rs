@@ -9,126 +9,29 @@ use powerhouse_io::{
 use powerhouse_model::{Mesh, Vec3};
 
 use crate::joints::JointPicture;
-use crate::rings;
-use powerhouse_scene::file_name;
+use powerhouse_scene::{PlottedCurve, TablePlot};
 
 /// Writes a plot of a table against its first column.
-pub(crate) fn plot(file: &Path, title: &str, columns: &[TableColumn]) -> Result<(), IoError> {
+pub(crate) fn table_plot(file: &Path, title: &str, columns: &[TableColumn]) -> Result<(), IoError> {
     write_plot(file, &Plot::of_table(title, columns))
 }
 
-/// One plot for each name of a table, with its columns `NAME.ux`, `NAME.uy` ... Returns file names and writers.
-pub(crate) fn plots(
-    columns: &[TableColumn],
-) -> Vec<(String, impl FnOnce(&Path) -> Result<(), IoError> + use<>)> {
-    let Some((time, others)) = columns.split_first() else {
-        return Vec::new();
-    };
-    let mut groups: Vec<(&str, Vec<TableColumn>)> = Vec::new();
-    for column in others {
-        let (name, component) = column.name.rsplit_once('.').unwrap_or((&column.name, ""));
-        let own = TableColumn {
-            name: component.into(),
-            ..column.clone()
-        };
-        match groups.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, group)) => group.push(own),
-            None => groups.push((name, vec![time.clone(), own])),
-        }
-    }
-    groups
-        .into_iter()
-        .filter(|(_, group)| !group[0].values.is_empty())
-        .map(|(name, group)| {
-            let title = name.to_owned();
-            let write = move |file: &Path| plot(file, &title, &group);
-            (file_name(name), write)
-        })
-        .collect()
-}
-
-/// Writes a plot of the moments against the normal forces of a section over the run, in its interaction diagram.
-pub(crate) fn interaction(
-    file: &Path,
-    section: &str,
-    [axial, moments]: &[TableColumn; 2],
-    forces: [&[f64]; 2],
-) -> Result<(), IoError> {
-    let thousands = |values: &[f64]| -> Vec<f64> { values.iter().map(|v| 1e-3 * v).collect() };
-    let [borne_axial, borne] = [&axial.values, &moments.values].map(|v| thousands(v));
-    let [of_run, moment_of_run] = forces.map(thousands);
+/// Writes the plot of a list.
+pub(crate) fn list_plot(file: &Path, plot: &TablePlot) -> Result<(), IoError> {
+    let [label, unit] = plot.axis.map(String::from);
     let plot = Plot {
-        title: section.into(),
-        label: "N, tension positive".into(),
-        unit: "kN/m".into(),
-        panels: vec![PlotPanel {
-            label: "M".into(),
-            unit: "kN m/m".into(),
-            curves: vec![
-                PlotCurve {
-                    name: "borne",
-                    x: &borne_axial,
-                    y: &borne,
-                },
-                PlotCurve {
-                    name: "of the run",
-                    x: &of_run,
-                    y: &moment_of_run,
-                },
-            ],
-        }],
-        gaps: Vec::new(),
-    };
-    write_plot(file, &plot)
-}
-
-/// Writes a plot of the forces of the sections around a lining against their angle; a closed ring ends where it began.
-pub(crate) fn ring(file: &Path, name: &str, table: &[TableColumn]) -> Result<(), IoError> {
-    let Some((angles, columns)) = table.split_first() else {
-        return Ok(());
-    };
-    let is_closed = angles.values.windows(2).all(|pair| {
-        let step = 360.0 / angles.values.len() as f64;
-        (pair[1] - pair[0] - step).abs() < 1e-6
-    });
-    let around = |values: &[f64], factor: f64, turn: f64| -> Vec<f64> {
-        let end = values.first().filter(|_| is_closed).map(|v| v + turn);
-        values
-            .iter()
-            .copied()
-            .chain(end)
-            .map(|v| factor * v)
-            .collect()
-    };
-    let angles = around(&angles.values, 1.0, 360.0);
-    let curves = rings::FORCES.map(|(force, ..)| {
-        rings::VALUES.map(|value| {
-            let column = columns
-                .iter()
-                .find(|c| c.name == format!("{force}.{value}"));
-            around(column.map_or(&[], |column| &column.values), 1e-3, 0.0)
-        })
-    });
-    let mut panels = Vec::new();
-    for ((_, unit, quantity), curves) in rings::FORCES.into_iter().zip(&curves) {
-        let named = rings::VALUES.into_iter().zip(curves);
-        panels.push(PlotPanel {
-            label: quantity.into(),
-            unit: format!("k{unit}"),
-            curves: named
-                .map(|(name, y)| PlotCurve {
-                    name,
-                    x: &angles,
-                    y,
-                })
-                .collect(),
-        });
-    }
-    let plot = Plot {
-        title: name.into(),
-        label: "angle".into(),
-        unit: "degrees".into(),
-        panels,
+        title: plot.title.clone(),
+        label,
+        unit,
+        panels: (plot.panels.iter())
+            .map(|([label, unit], curves)| PlotPanel {
+                label: label.clone(),
+                unit: unit.clone(),
+                curves: (curves.iter())
+                    .map(|PlottedCurve { name, x, y }| PlotCurve { name, x, y })
+                    .collect(),
+            })
+            .collect(),
         gaps: Vec::new(),
     };
     write_plot(file, &plot)

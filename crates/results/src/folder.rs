@@ -1,15 +1,15 @@
 //! Results folder of a run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use powerhouse_io::{
     IoError, TableColumn, free_space, write_noted_table, write_summary, write_table, write_whole,
 };
 use powerhouse_model::{Mesh, StageReport};
-use powerhouse_observe::{HistoryTable, SectionCapacity, Snapshot, SnapshotSink};
+use powerhouse_observe::{Column, HistoryTable, Snapshot, SnapshotSink};
 
 #[cfg(feature = "pictures")]
 use crate::drawing;
@@ -18,17 +18,18 @@ use crate::lock::{FolderLock, TRIES, unique};
 use crate::running::RunningTables;
 use crate::stages::{NoStages, StageFiles};
 use crate::summary::{BegunSummary, RunSummary};
-use crate::{bolts, result_files, rings, vtu};
+use crate::{result_files, vtu};
 #[cfg(feature = "pictures")]
-use powerhouse_scene::internal::section_forces;
+use powerhouse_scene::ResultTable;
 use powerhouse_scene::{
-    Error, FolderError, Results, RunNotes, Simulation, StageSink, Topic, file_name,
+    Error, FolderError, Results, RunNotes, Simulation, StageSink, TableForm, file_name,
 };
 
 /// Results folder: writes the result files of a run.
 ///
 /// | file | content |
 /// |---|---|
+/// | `NAME.csv`, `NAME/NAME.csv` and their plots | tables and lists of the [items](powerhouse_scene::OutputItem) of a program |
 /// | `summary.json` | steps, step, wall time, peaks, energies at the end, warnings and remarks, the names of all files; written last, `incomplete` until then |
 /// | `histories.csv` | histories and relative displacements |
 /// | `accelerations.csv` | accelerations of the histories up to the band, at short even intervals: the source of peaks and spectra |
@@ -70,23 +71,24 @@ pub(crate) const SNAPSHOTS: &str = "snapshots.pvd";
 pub(crate) const STAGES: &str = "stages";
 /// Name of the summary file, which marks a results folder.
 pub(crate) const SUMMARY: &str = "summary.json";
-/// Names of the tables of histories.
-pub(crate) const TABLES: [&str; 6] = [
-    "histories.csv",
-    SECTIONS,
-    "energies.csv",
-    "joints.csv",
-    "bolts.csv",
-    "accelerations.csv",
-];
-/// Name of the table of section forces, which begins with the warnings about them.
-const SECTIONS: &str = "sections.csv";
 /// Name of the envelope file.
 pub(crate) const ENVELOPE: &str = "envelope.vtu";
 /// Name of the file of history variable envelopes.
 pub(crate) const STATE: &str = "state.vtu";
 /// End of the names of pictures of the structure.
 pub(crate) const CLOSE_UP: &str = "structure";
+/// Subfolders of results with the start and the end of the names of their files, and whether these are removed without a summary.
+const FOLDERS: [(&str, &str, &str, bool); 9] = [
+    ("snapshots", "snapshots_", ".vtu", true),
+    (STAGES, "", ".vtu", true),
+    (STAGES, "", ".csv", true),
+    ("plots", "", ".svg", false),
+    ("pictures", "", ".png", false),
+    ("joints", "", ".vtu", false),
+    ("bolts", "", ".csv", false),
+    ("capacity", "", ".csv", false),
+    ("rings", "", ".csv", false),
+];
 /// Start of the names of test files.
 const PROBE: &str = ".writable";
 
@@ -207,18 +209,15 @@ impl ResultFolder {
     /// File that could not be removed.
     pub fn clear(&self) -> Result<(), Error> {
         let mut old = vec![self.path.join(SNAPSHOTS)];
-        old.extend(self.files_in("snapshots", "snapshots_", ".vtu"));
-        old.extend(self.files_in(STAGES, "", ".vtu"));
-        old.extend(self.files_in(STAGES, "", ".csv"));
-        if self.has_results() {
-            old.extend(TABLES.iter().map(|table| self.path.join(table)));
+        let of_results = self.files_of_results();
+        for (folder, start, end, is_own) in FOLDERS {
+            if is_own || of_results.is_some() {
+                old.extend(self.files_in(folder, start, end));
+            }
+        }
+        if let Some(files) = of_results {
+            old.extend(files.into_iter().map(|file| self.path.join(file)));
             old.extend([ENVELOPE, STATE].map(|file| self.path.join(file)));
-            old.extend(self.files_in("plots", "", ".svg"));
-            old.extend(self.files_in("pictures", "", ".png"));
-            old.extend(self.files_in("joints", "", ".vtu"));
-            old.extend(self.files_in("bolts", "", ".csv"));
-            old.extend(self.files_in("capacity", "", ".csv"));
-            old.extend(self.files_in("rings", "", ".csv"));
             // The summary is removed last, so that the removal can be repeated after a failure.
             old.push(self.path.join(SUMMARY));
         }
@@ -233,18 +232,12 @@ impl ResultFolder {
     /// # Errors
     /// File that could not be removed.
     pub fn remove_unfinished(&self) -> Result<(), Error> {
-        for folder in [
-            "",
-            "snapshots",
-            STAGES,
-            "plots",
-            "pictures",
-            "joints",
-            "bolts",
-            "capacity",
-            "rings",
-            "checkpoint",
-        ] {
+        let mut folders: BTreeSet<String> = ["", "checkpoint"].map(String::from).into();
+        folders.extend(FOLDERS.map(|(folder, ..)| folder.into()));
+        let of_results = self.files_of_results().unwrap_or_default();
+        let parents = of_results.iter().filter_map(|file| file.rsplit_once('/'));
+        folders.extend(parents.map(|(folder, _)| folder.to_owned()));
+        for folder in &folders {
             for file in self.files_in(folder, "", "") {
                 let name = file.file_name().unwrap_or_default().to_string_lossy();
                 if name.starts_with(PROBE) || is_unfinished(&name) {
@@ -255,12 +248,20 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Returns whether the folder contains a summary of this software.
-    fn has_results(&self) -> bool {
-        let text = fs::read(self.path.join(SUMMARY)).unwrap_or_default();
-        let summary: serde_json::Value = serde_json::from_slice(&text).unwrap_or_default();
-        let software = summary["software"].as_str();
-        software.is_some_and(|name| name.starts_with("powerhouse "))
+    /// The files that a summary of this software in the folder lists, but for the scene; none without one.
+    fn files_of_results(&self) -> Option<Vec<String>> {
+        let text = fs::read(self.path.join(SUMMARY)).ok()?;
+        let summary: serde_json::Value = serde_json::from_slice(&text).ok()?;
+        let software = summary["software"].as_str()?;
+        let is_below = |file: &&str| {
+            let mut parts = Path::new(file).components();
+            !["", SCENE].contains(file) && parts.all(|part| matches!(part, Component::Normal(_)))
+        };
+        let files = ["files", "tables"].map(|key| summary[key].as_array());
+        let files = files.into_iter().flatten().flatten();
+        let files = files.filter_map(|file| file.as_str()).filter(is_below);
+        let files = files.map(str::to_owned).collect();
+        software.starts_with("powerhouse ").then_some(files)
     }
 
     /// Files of a subfolder whose names have the given start and end.
@@ -274,12 +275,14 @@ impl ResultFolder {
     }
 
     /// Marks the folder as that of a run that has begun: a summary without results, of the state `incomplete`, which
-    /// remains if the run is killed.
+    /// remains if the run is killed. It lists the tables that grow.
     ///
     /// # Errors
     /// File that could not be written.
-    pub fn begin(&self, title: &str) -> Result<(), Error> {
-        write_summary(&self.path.join(SUMMARY), &BegunSummary::new(title))?;
+    pub fn begin(&self, simulation: &Simulation) -> Result<(), Error> {
+        let mut summary = BegunSummary::new(simulation.title());
+        summary.tables = simulation.tables().map(TableForm::file).collect();
+        write_summary(&self.path.join(SUMMARY), &summary)?;
         Ok(())
     }
 
@@ -395,7 +398,7 @@ impl ResultFolder {
         if let Some(text) = scene {
             files.write(SCENE, |file| write_whole(file, text.as_bytes()));
         }
-        self.write_tables(&mut files, results, notes);
+        write_tables(&mut files, results, notes);
         let present = results.present.as_deref();
         let envelope = results.envelope.as_ref();
         let envelope = envelope.map(|envelope| vtu::EnvelopeFields::new(envelope, mesh));
@@ -461,89 +464,37 @@ impl ResultFolder {
             None => Ok(files.written),
         }
     }
+}
 
-    /// Writes the tables and their plots.
-    fn write_tables(&self, files: &mut Files, results: &Results, notes: &RunNotes) {
-        let tables = [
-            &results.histories,
-            &results.sections,
-            &results.energies,
-            &results.joint_histories,
-            &results.bolt_histories,
-            &results.accelerations,
-        ];
-        for (name, table) in TABLES.into_iter().zip(tables) {
-            if !table.times.is_empty() {
-                let columns = columns(table);
-                // Warnings about the whole run are in its summary; these concern the numbers of the table.
-                let heads = match name {
-                    SECTIONS => notes.about(Topic::Sections),
-                    _ => Vec::new(),
-                };
-                files.write(name, |file| write_noted_table(file, &heads, &columns));
-            }
-        }
-        for (section, bears) in &results.section_capacities {
-            let line = interaction(section, bears);
-            let plain = file_name(section);
-            files.write(&format!("capacity/{plain}.csv"), |file| {
-                write_table(file, &line)
+/// Writes the tables and their plots.
+fn write_tables(files: &mut Files, results: &Results, notes: &RunNotes) {
+    for table in &results.tables {
+        if !table.rows.times.is_empty() {
+            let heads = table.form.topic.map(|topic| notes.about(topic));
+            let columns = columns(&table.rows);
+            files.write(&table.form.file(), |file| {
+                write_noted_table(file, &heads.unwrap_or_default(), &columns)
             });
-            #[cfg(feature = "pictures")]
-            if let Some(forces) = section_forces(&results.sections, section) {
-                files.write(&format!("plots/capacity-{plain}.svg"), |file| {
-                    drawing::interaction(file, section, &line, forces)
-                });
-            }
-        }
-        for ring in &results.section_rings {
-            let Some(table) = rings::table(ring, results) else {
-                continue;
-            };
-            let plain = file_name(&ring.name);
-            files.write(&format!("rings/{plain}.csv"), |file| {
-                write_table(file, &table)
-            });
-            #[cfg(feature = "pictures")]
-            files.write(&format!("plots/ring-{plain}.svg"), |file| {
-                drawing::ring(file, &ring.name, &table)
-            });
-        }
-        #[cfg(feature = "pictures")]
-        Self::write_plots(files, results);
-        for bolts in &results.bolts {
-            let name = format!("bolts/{}.csv", file_name(&bolts.name));
-            files.write(&name, |file| write_table(file, &bolts::columns(bolts)));
         }
     }
-
-    /// Writes the plots of the tables.
-    #[cfg(feature = "pictures")]
-    fn write_plots(files: &mut Files, results: &Results) {
-        // Sections around a lining have one plot in common.
-        let around: Vec<&str> = (results.section_rings.iter())
-            .flat_map(|ring| ring.sections.iter().map(|(_, name)| name.as_str()))
-            .collect();
-        for (kind, table) in [
-            ("", &results.histories),
-            ("", &results.sections),
-            ("joint-", &results.joint_histories),
-            ("bolts-", &results.bolt_histories),
-        ] {
-            let mut columns = columns(table);
-            columns.retain(|column| {
-                let of = column.name.rsplit_once('.').map_or("", |(of, _)| of);
-                !around.contains(&of)
-            });
-            for (name, plot) in drawing::plots(&columns) {
-                files.write(&format!("plots/{kind}{name}.svg"), plot);
-            }
+    for list in &results.lists {
+        files.write(&format!("{}.csv", list.name), |file| {
+            write_table(file, &list.columns)
+        });
+        #[cfg(feature = "pictures")]
+        if let Some((name, plot)) = &list.plot {
+            files.write(name, |file| drawing::list_plot(file, plot));
         }
-        if !results.energies.times.is_empty() {
-            let columns = columns(&results.energies);
-            files.write("plots/energies.svg", |file| {
-                drawing::plot(file, "energies", &columns)
-            });
+    }
+    #[cfg(feature = "pictures")]
+    for ResultTable { form, rows, .. } in &results.tables {
+        for plot in form.plots(rows) {
+            if !rows.times.is_empty() {
+                let columns = with_times(rows, plot.columns);
+                files.write(&plot.file, |file| {
+                    drawing::table_plot(file, &plot.title, &columns)
+                });
+            }
         }
     }
 }
@@ -594,25 +545,19 @@ impl Files<'_> {
     }
 }
 
-/// Points of half an interaction diagram.
-const DIAGRAM: usize = 60;
-
-/// Table of the interaction diagram of a section.
-fn interaction(section: &str, bears: &SectionCapacity) -> [TableColumn; 2] {
-    let line = bears.interaction(DIAGRAM);
-    let column = |name: &str, unit: &str, axis: usize| {
-        let values = line.iter().map(|point| point[axis]).collect();
-        TableColumn::new(format!("{section}.{name}"), unit, values)
-    };
-    [
-        column("axial_per_metre", "N/m", 0),
-        column("moment_per_metre", "N m/m", 1),
-    ]
+/// Columns of a table, times first.
+fn columns(table: &HistoryTable) -> Vec<TableColumn> {
+    let columns = table.columns.iter();
+    with_times(
+        table,
+        columns.map(|column| (&*column.name, column)).collect(),
+    )
 }
 
-fn columns(table: &HistoryTable) -> Vec<TableColumn> {
+/// Some columns of a table under names, times first.
+fn with_times(table: &HistoryTable, columns: Vec<(&str, &Column)>) -> Vec<TableColumn> {
     let times = TableColumn::new("time", "s", table.times.clone());
-    let columns = table.columns.iter();
-    let columns = columns.map(|c| TableColumn::new(c.name.clone(), c.unit, c.values.clone()));
+    let columns = columns.into_iter();
+    let columns = columns.map(|(name, c)| TableColumn::new(name, c.unit, c.values.clone()));
     core::iter::once(times).chain(columns).collect()
 }

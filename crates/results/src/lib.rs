@@ -5,7 +5,6 @@
 //! [`Scene`](powerhouse_scene::Scene)'s [`Simulation`](powerhouse_scene::Simulation) and its
 //! [`Results`](powerhouse_scene::Results).
 
-mod bolts;
 mod checkpoint;
 #[cfg(feature = "pictures")]
 mod drawing;
@@ -14,7 +13,6 @@ mod folder;
 mod joints;
 mod lock;
 mod names;
-mod rings;
 mod running;
 mod stages;
 pub mod summary;

@@ -1,13 +1,13 @@
 //! Tables on disk while a run goes on.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use powerhouse_io::{GrowingColumn, GrowingTable};
 use powerhouse_observe::HistoryTable;
 
-use crate::folder::TABLES;
-use powerhouse_scene::{RunTable, TableSink};
+use powerhouse_scene::{TableForm, TableSink};
 
 /// Tables of a run on disk while it goes on: from time to time the rows since the last time are appended, so that a run
 /// that is killed leaves what it computed until then. At the end of a run its files are written anew, completely.
@@ -15,7 +15,8 @@ use powerhouse_scene::{RunTable, TableSink};
 /// A row that cannot be written, on a full disk, ends no run: it is written with those after it, or at the end.
 #[derive(Debug)]
 pub struct RunningTables {
-    tables: [GrowingTable; TABLES.len()],
+    folder: PathBuf,
+    tables: BTreeMap<String, GrowingTable>,
     every: Duration,
     last: Instant,
 }
@@ -27,7 +28,8 @@ impl RunningTables {
     /// Tables of a results folder.
     pub(crate) fn new(folder: &Path) -> Self {
         Self {
-            tables: TABLES.map(|name| GrowingTable::new(folder.join(name))),
+            folder: folder.into(),
+            tables: BTreeMap::new(),
             every: Self::EVERY,
             last: Instant::now(),
         }
@@ -49,9 +51,13 @@ impl TableSink for RunningTables {
         }
         is_due
     }
-    fn take(&mut self, table: RunTable, rows: &HistoryTable) {
+    fn take(&mut self, form: &TableForm, rows: &HistoryTable) {
+        let file = form.file();
+        let path = self.folder.join(&file);
+        let table = self.tables.entry(file);
+        let table = table.or_insert_with(|| GrowingTable::new(path));
         // Tried again the next time; the files of the end name what is wrong.
-        let _ = self.tables[table as usize].append(&columns(rows));
+        let _ = table.append(&columns(rows));
     }
 }
 

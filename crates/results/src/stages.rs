@@ -59,7 +59,7 @@ impl StageFiles {
         for bolts in &stage.bolts {
             if let Some(forces) = BoltForces::of(bolts, stage.mesh, stage.state) {
                 let end = format!("-{}.csv", file_name(bolts.name()));
-                write_table(&file(&end), &crate::bolts::columns(&forces))?;
+                write_table(&file(&end), &forces.columns())?;
             }
         }
         Ok(())

@@ -78,6 +78,9 @@ pub struct RunSummary {
     pub remarks: Vec<String>,
     /// Whether laws or joints have history variables, so that results depend on the load path.
     pub path_dependent: bool,
+    /// Tables that may be there while not all files are written.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tables: Vec<String>,
     /// Paths relative to the folder, without the summary.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
@@ -115,6 +118,9 @@ pub struct BegunSummary {
     /// Stages that were completed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stages: Vec<StageSummary>,
+    /// Tables that grow while the run goes on; without rows they are not there yet.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tables: Vec<String>,
     /// Paths of their files relative to the folder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
@@ -129,6 +135,7 @@ impl BegunSummary {
             ended: INCOMPLETE.into(),
             failure: "the run goes on, or was ended from outside; the tables hold what it computed until then".into(),
             stages: Vec::new(),
+            tables: Vec::new(),
             files: Vec::new(),
         }
     }
@@ -436,7 +443,7 @@ impl RunSummary {
     /// Sets the end state and failure of the run, and its files.
     pub(crate) fn complete(&mut self, ended: (String, Option<String>), files: Vec<String>) {
         (self.ended, self.failure) = ended;
-        self.files = files;
+        (self.tables, self.files) = (Vec::new(), files);
     }
 
     pub(crate) fn new(title: &str, mesh: &Mesh, results: &Results, notes: &RunNotes) -> Self {
@@ -507,6 +514,9 @@ impl RunSummary {
             warnings: notes.all_warnings(&results.warnings(mesh)),
             remarks: notes.facts(),
             path_dependent: results.state.is_some() || !results.joints.is_empty(),
+            tables: (results.tables.iter())
+                .map(|table| table.form.file())
+                .collect(),
             files: Vec::new(),
         }
     }

@@ -80,9 +80,11 @@ pub use memory::LawMemory;
 pub use message::{Message, RunNotes, Topic, merge_messages};
 pub use mirror::{Mirror, MirrorError, Parity};
 pub use output::{
-    BendingError, BoltForces, EnergyResidual, EnvelopeRequest, HistoryRequest, JointRequest,
-    NameError, OutputPlan, RelativeRequest, Results, RingRequest, RunTable, SampledRequest,
-    SectionRequest, SectionUse, SnapshotRequest, StateRequest, StressRequest, TableSink, file_name,
+    BendingError, BoltForces, ColumnPlot, EnergyResidual, EnvelopeRequest, HistoryRequest,
+    JointRequest, ListContent, NameError, OutputItem, OutputPlan, OutputPrice, OutputScale,
+    OutputSite, PlottedCurve, Recorder, RelativeRequest, ResultList, ResultTable, Results,
+    RingRequest, SampledRequest, SectionRequest, SectionUse, SnapshotRequest, StateRequest,
+    StressRequest, TableForm, TablePeaks, TablePlot, TablePlots, TableSink, file_name,
 };
 pub use part::{Kernel, Part};
 pub use places::{Places, Subject};
@@ -114,7 +116,7 @@ pub mod internal {
     pub use crate::in_use::InUse;
     pub use crate::layers::damping_of_layer;
     pub use crate::medium::sets_with;
-    pub use crate::output::{NamedThing, check_names, section_forces};
+    pub use crate::output::{NamedThing, check_names};
     pub use crate::scene::PrescribedMotion;
     pub use crate::stage::{Timeline, check_removal, surface_of};
     pub use crate::surroundings::{box_corners, fill_body};

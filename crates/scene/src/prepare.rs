@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use powerhouse_boundary::DomainReduction;
+use powerhouse_elements::BoltSet;
 use powerhouse_model::{
     AbsorbingBoundary, BoundaryParts, BoundarySite, Constraint, Facet, IncidentField, Mat3,
     ModelError, ModelSpec, NodalImpedance, State, Vec3,
@@ -10,7 +11,7 @@ use powerhouse_model::{
 
 use crate::engine::Leapfrog;
 use crate::joint::{Closing, NamedSurface, WaterInJoints};
-use crate::output::{Recordings, StateVariables, coarse_in_bending};
+use crate::output::{OutputSite, Recordings, StateVariables};
 use crate::places::placed;
 use crate::stage::{Staging, Timeline, last_renewal};
 use crate::through::FieldInGround;
@@ -92,26 +93,12 @@ impl Scene {
         remarks.extend(self.reduced_joints()?);
         remarks.extend(self.undamped_friction()?);
         let state_variables = StateVariables::of(&self, &rims)?;
-        let band = self.output.band_on(self.engine.takes_every_step());
-        let (mut recordings, mut observers) = Recordings::observe(
-            (&self.output, band),
-            &self.mesh,
-            timeline.as_ref().and_then(Timeline::present),
-            &state_variables,
-            &mut remarks,
-        )?;
-        recordings.resolution = self.resolution()?;
-        recordings.structure = match self.boundary {
-            Some(_) => self.structure()?,
-            None => None,
-        };
-        for (request, geometry) in (self.output.cuts.iter()).zip(recordings.section_geometry()) {
-            let coarse = coarse_in_bending(&self.mesh, request, geometry, &self.parts);
-            remarks.extend(coarse);
-        }
-        let fibre_site = self.fibre_site(&pieces, timeline.as_ref().and_then(Timeline::present))?;
+        let present = timeline.as_ref().and_then(Timeline::present);
+        // Remarks about output come before those about the model.
+        let before = remarks.len();
+        let fibre_site = self.fibre_site(&pieces, present)?;
         let own = core::mem::take(&mut self.constraints);
-        let mut model = {
+        let (mut model, mut recordings, observers) = {
             let mut spec = ModelSpec::new(&self.mesh);
             if let Some(timeline) = &timeline {
                 spec = spec.start(timeline.bare_state(self.mesh.node_count()));
@@ -121,22 +108,35 @@ impl Scene {
             }
             let Moving { spec, surfaces } =
                 self.moving(spec, &pieces, timeline.as_ref(), &mut remarks)?;
-            recordings.watch_joints(&self.output, &self.mesh, surfaces, &mut observers)?;
-            if let Some(timeline) = &timeline {
-                let bolts = timeline.bolts(self.stages.len());
-                let coarse = timeline.bolts(self.stages.len()).filter_map(|set| {
-                    let (bolts, error) = (set.name().to_owned(), set.segment_error());
-                    (error > COARSE_BOLTS)
-                        .then_some(Remark::from(remark::CoarseBolts { bolts, error }))
-                });
-                remarks.extend(coarse);
-                for set in timeline.bolts(self.stages.len()) {
-                    remarks.extend(self.cut_bolts(set));
-                }
-                recordings.watch_bolts(&self.output, bolts, &mut observers)?;
+            let bolts = timeline.iter();
+            let bolts = bolts.flat_map(|timeline| timeline.bolts(self.stages.len()));
+            let bolts: Vec<&BoltSet> = bolts.collect();
+            remarks.extend(bolts.iter().filter_map(|set| {
+                let (bolts, error) = (set.name().to_owned(), set.segment_error());
+                (error > COARSE_BOLTS).then_some(Remark::from(remark::CoarseBolts { bolts, error }))
+            }));
+            for set in &bolts {
+                remarks.extend(self.cut_bolts(set));
             }
-            self.engine.build(spec)?
+            let site = OutputSite {
+                mesh: &self.mesh,
+                plan: &self.output,
+                present,
+                band: self.output.band_on(self.engine.takes_every_step()),
+                state_variables: &state_variables,
+                parts: &self.parts,
+                joints: &surfaces,
+                bolts: &bolts,
+            };
+            let mut of_output = Vec::new();
+            let (recordings, observers) = Recordings::of(&site, &mut of_output)?;
+            remarks.splice(before..before, of_output);
+            (self.engine.build(spec)?, recordings, observers)
         };
+        recordings.resolution = self.resolution()?;
+        if self.boundary.is_some() {
+            recordings.structure = self.structure()?;
+        }
         self.remarks.append(&mut remarks);
         self.tables_made();
         if timeline.is_none() && self.start != 0.0 {

@@ -14,7 +14,7 @@ use powerhouse_observe::{SectionGeometry, Snapshot, SnapshotSink, Snapshots};
 
 use crate::fibres::{FibreSite, set_fibres};
 use crate::in_use::{InUse, check_in_use};
-use crate::output::{self, FinishedRun, OutputPlan, Recordings, Results};
+use crate::output::{self, OutputPlan, Recordings, Results};
 use crate::places::placed;
 use crate::stage::{
     EquilibratedBody, StageCheckpointSink, StageHook, StageSink, StageSolution, Staging,
@@ -22,7 +22,7 @@ use crate::stage::{
 };
 use crate::{
     Error, FibreChoice, FibreOptions, Places, Remark, ResidualLimit, SceneBolts, SceneStage,
-    Subject, TableSink, TimeStep, field_motion, remark,
+    Subject, TableForm, TableSink, TimeStep, field_motion, remark,
 };
 
 /// Sampling interval of the energy balance, over the duration, if energies are not recorded.
@@ -221,16 +221,24 @@ impl Simulation {
     }
     /// Node pairs and facets of each joint, with the name of the joint.
     pub fn joint_surfaces(&self) -> &[(String, JointSurface)] {
-        self.recordings.joint_surfaces()
+        &self.recordings.joint_surfaces
     }
     /// Geometry of the sections whose forces are recorded: area, extents, axes and pieces.
     pub fn section_geometry(&self) -> &[SectionGeometry] {
-        self.recordings.section_geometry()
+        &self.recordings.section_geometry
     }
     /// Which elements of the mesh are present when the body moves, one flag per element: stages may have
     /// excavated some, or not cast them. None if all are present.
     pub fn present(&self) -> Option<&[bool]> {
-        self.recordings.present()
+        self.recordings.present.as_deref()
+    }
+    /// The tables against time that a run has.
+    pub fn tables(&self) -> impl Iterator<Item = &TableForm> {
+        self.recordings.forms()
+    }
+    /// Paths of the tables and plots that a run may write, relative to its folder.
+    pub fn table_files(&self) -> Vec<String> {
+        self.recordings.files()
     }
     /// The construction stages before the motion, in their order.
     pub fn stages(&self) -> &[SceneStage] {
@@ -471,7 +479,7 @@ impl Simulation {
             if let Some(tables) = &mut tables
                 && tables.is_due()
             {
-                recordings.each_table(|table, history| tables.take(table, history));
+                recordings.each_table(|form, rows| tables.take(form, rows));
             }
             progress(now);
         };
@@ -491,13 +499,9 @@ impl Simulation {
         let bolts = staging.map_or_else(Vec::new, |staging| staging.forces(self.model.as_mut()));
         let finish = |report: RunReport| {
             let steps = report.steps.saturating_sub(done_before).max(1) as f64;
-            let mut results = recordings.finish(FinishedRun {
-                run: report,
-                wall_time,
-                step_time: taken_by_steps.div_f64(steps),
-                snapshots: taken.load(Ordering::Relaxed),
-                bolts,
-            });
+            let times = [wall_time, taken_by_steps.div_f64(steps)];
+            let mut results = recordings.finish(report, times, bolts);
+            results.snapshots = taken.load(Ordering::Relaxed);
             results.fibres = fibres;
             if let Some(StagingOutcome { stages, hand_over }) = rested {
                 (results.stages, results.hand_over) = (stages, Some(hand_over));

@@ -1,13 +1,11 @@
 //! Predicted cost of a run: wall time, memory, output.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use powerhouse::engine::Precision;
-use powerhouse::engine::observe::{AccelerationRule, Motion};
-use powerhouse::model::{DeviceError, ElementKind, HistoryKind, Mesh, RunError, StepProfile};
+use powerhouse::model::{DeviceError, ElementKind, Mesh, RunError, StepProfile};
 use powerhouse::wavefield::LayeredWave;
-use powerhouse::{Error, LawMemory, OutputPlan, Scene, Simulation};
+use powerhouse::{Error, OutputScale, Scene, Simulation};
 
 use crate::{StaticCost, StudyError};
 
@@ -182,10 +180,6 @@ const HISTORY_BYTES: [(Precision, f64); 3] = [
     (Precision::Mixed, 8.0),
     (Precision::F32, 8.0),
 ];
-/// Bytes per element for the envelope of a history variable with its time, and for flags; with the copies while
-/// they are written and drawn.
-const AMOUNT_BYTES: f64 = 32.0;
-const FLAGS_BYTES: f64 = 16.0;
 /// Bytes per node, element and history variable of a static solution: beside those of a dynamic model the vectors of
 /// the solver and of eight earlier corrections, diagonals, the state between stages, and the assembly of the next
 /// model; fitted to the example `cost_model`.
@@ -196,29 +190,18 @@ const STATIC_HISTORY_BYTES: f64 = 24.0;
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
 /// Bytes per node pair of a joint: geometry, state, matrices, and two copies of the recorded values.
 const PAIR_BYTES: f64 = 1500.0;
-/// Columns of the history table per joint, and at most per part of a joint.
-const OF_EVERY_JOINT: f64 = 8.0;
-const OF_A_JOINT: f64 = 11.0;
-/// Bytes per corner of a facet for its position and its cell, and numbers of fields there in a snapshot and at the
-/// end.
-const FACET_BYTES: f64 = 40.0;
-const JOINT_FIELDS: [f64; 2] = [12.0, 18.0];
-/// Bytes per recorded number, with the copies while it is written and drawn.
-const RECORDED_BYTES: f64 = 32.0;
-/// Bytes of the canvas on which a picture is drawn.
-const CANVAS_BYTES: f64 = 32e6;
+/// Bytes of the summary with the scene.
+const SUMMARY_BYTES: f64 = 4e4;
 /// Bytes of the program without a model.
 const BASE_BYTES: f64 = 16e6;
 
 /// Model of the memory and output size of a scene's run, taken from the scene before it is consumed.
 pub(crate) struct CostModel {
-    mesh: Arc<Mesh>,
-    plan: OutputPlan,
-    duration: f64,
+    scale: OutputScale,
     precision: Precision,
     absorbing_nodes: usize,
-    joints: JointSizes,
-    laws: LawSizes,
+    /// Node pairs of all joints.
+    pairs: usize,
     /// Waves in layered ground, whose tables grow while the scene is prepared.
     layered: Vec<LayeredWave>,
 }
@@ -236,112 +219,46 @@ impl OutputSize {
     }
     /// Upper bound of the size (bytes) of the result files for a time step (s).
     pub fn bytes(&self, step: f64) -> u64 {
-        self.0.output((self.0.duration / step).ceil() as u64 + 1)
-    }
-}
-
-/// Numbers of history variables of the laws of a scene.
-#[derive(Clone, Copy, Debug, Default)]
-struct LawSizes {
-    /// Values at all integration points.
-    numbers: f64,
-    /// Elements with history variables in the output.
-    elements: f64,
-    /// Variables in the output: all, amounts and flags.
-    variables: f64,
-    amounts: f64,
-    flags: f64,
-}
-
-impl LawSizes {
-    fn of(memory: &LawMemory) -> Self {
-        let of_kind = |kind| {
-            let variables = memory.variables.iter();
-            variables.filter(|v| v.kind == kind).count() as f64
-        };
-        Self {
-            numbers: memory.numbers as f64,
-            elements: memory.elements as f64,
-            variables: memory.variables.len() as f64,
-            amounts: of_kind(HistoryKind::Amount),
-            flags: of_kind(HistoryKind::Flags),
-        }
-    }
-}
-
-/// Total sizes of all joints of a scene.
-#[derive(Clone, Copy, Debug, Default)]
-struct JointSizes {
-    joints: f64,
-    pairs: f64,
-    /// Corners of facets, each of which is a point in the files.
-    corners: f64,
-}
-
-impl JointSizes {
-    fn of(scene: &Scene) -> Self {
-        let mut sum = Self::default();
-        for (_, surface, _) in scene.joints() {
-            sum.joints += 1.0;
-            sum.pairs += surface.pairs.len() as f64;
-            let corners: usize = surface.facets.iter().map(|facet| facet.nodes.len()).sum();
-            sum.corners += corners as f64;
-        }
-        sum
+        self.0
+            .output((self.0.scale.duration / step).ceil() as u64 + 1)
     }
 }
 
 impl CostModel {
     pub(crate) fn of(scene: &Scene) -> Result<Self, StudyError> {
-        let mesh = scene.mesh().clone();
+        let mesh = scene.mesh();
         let mut absorbing = Vec::new();
         for (_, facets) in scene.absorbing_facets().map_err(Error::from)? {
             absorbing.extend(mesh.nodes_of_facets(facets));
         }
         absorbing.sort_unstable();
         absorbing.dedup();
+        let joints = scene.joints();
         Ok(Self {
-            mesh,
-            plan: scene.output().clone(),
-            duration: scene.duration(),
+            scale: scene.output_scale()?,
             precision: scene.precision(),
             absorbing_nodes: absorbing.len(),
-            joints: JointSizes::of(scene),
-            laws: LawSizes::of(&scene.law_memory()?),
+            pairs: joints.map(|(_, surface, _)| surface.pairs.len()).sum(),
             layered: scene.layered_waves().to_vec(),
         })
     }
 
-    fn rows(&self, steps: u64) -> Rows {
-        Rows {
-            duration: self.duration,
-            steps: steps as f64,
-        }
-    }
-
     /// Memory of program, mesh and dynamic model in a number format (bytes).
     fn bytes_of_model(&self, precision: Precision) -> f64 {
-        let (nodes, _) = self.counts();
+        let [nodes, _] = self.scale.counts();
+        let mesh = &self.scale.mesh;
         let [of_brick, of_other] = of_precision(ELEMENT_NODE_BYTES, precision);
-        let all = element_nodes(&self.mesh);
-        let elements = 0..self.mesh.element_count() as u32;
-        let is_brick = |&element: &u32| self.mesh.kind(element) == ElementKind::Hex8;
+        let all = element_nodes(mesh);
+        let elements = 0..mesh.element_count() as u32;
+        let is_brick = |&element: &u32| mesh.kind(element) == ElementKind::Hex8;
         let of_bricks = 8 * elements.filter(is_brick).count();
-        let LawSizes {
-            numbers,
-            elements: with_history,
-            amounts,
-            flags,
-            ..
-        } = self.laws;
         BASE_BYTES
             + NODE_BYTES * nodes
             + of_brick * of_bricks as f64
             + of_other * (all - of_bricks) as f64
-            + of_precision(HISTORY_BYTES, precision) * numbers
-            + (AMOUNT_BYTES * amounts + FLAGS_BYTES * flags) * with_history
+            + of_precision(HISTORY_BYTES, precision) * self.scale.laws.numbers as f64
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
-            + PAIR_BYTES * self.joints.pairs
+            + PAIR_BYTES * self.pairs as f64
     }
 
     /// Memory of the waves in layered ground with the tables that they have now (bytes).
@@ -362,8 +279,8 @@ impl CostModel {
 
     /// Memory of a mesh (bytes).
     pub(crate) fn memory_of_mesh(&self) -> u64 {
-        let (nodes, elements) = self.counts();
-        let counts = [nodes, elements, element_nodes(&self.mesh) as f64];
+        let [nodes, elements] = self.scale.counts();
+        let counts = [nodes, elements, element_nodes(&self.scale.mesh) as f64];
         let of_mesh: f64 = (MESH_BYTES.iter().zip(counts))
             .map(|(bytes, count)| bytes * count)
             .sum();
@@ -372,81 +289,24 @@ impl CostModel {
 
     /// Memory of a run with a number of steps (bytes).
     pub(crate) fn memory(&self, steps: u64) -> u64 {
-        let (nodes, elements) = self.counts();
-        let mut bytes = self.bytes_of_model(self.precision)
-            + self.bytes_of_layered()
-            + RECORDED_BYTES * self.numbers(steps);
-        if let Some(envelope) = &self.plan.envelope {
-            // A peak and its time, for each quantity; two quantities of stress.
-            let stress = if envelope.stress { 32.0 } else { 0.0 };
-            bytes += 16.0 * vectors(envelope.motion) * nodes + stress * elements + CANVAS_BYTES;
-        }
-        bytes as u64
+        let of_output = self.scale.price(steps).memory;
+        (self.bytes_of_model(self.precision) + self.bytes_of_layered() + of_output) as u64
     }
 
     /// Memory during the construction stages (bytes): that of the dynamic and of a static model.
     pub(crate) fn memory_of_stages(&self) -> u64 {
-        let (nodes, elements) = self.counts();
+        let [nodes, elements] = self.scale.counts();
         let of_statics = STATIC_NODE_BYTES * nodes
             + STATIC_ELEMENT_BYTES * elements
-            + STATIC_HISTORY_BYTES * self.laws.numbers
-            + PAIR_BYTES * self.joints.pairs;
+            + STATIC_HISTORY_BYTES * self.scale.laws.numbers as f64
+            + PAIR_BYTES * self.pairs as f64;
         (self.bytes_of_model(self.precision) + self.bytes_of_layered() + of_statics) as u64
     }
 
     /// Size of the files of a run with a number of steps (bytes).
     pub(crate) fn output(&self, steps: u64) -> u64 {
-        let (nodes, elements) = self.counts();
-        let rows = self.rows(steps);
-        let mut bytes = SUMMARY_BYTES + (CSV_BYTES + PLOT_BYTES) * self.numbers(steps);
-        // The facets of joints at the end.
-        bytes += (FACET_BYTES + 4.0 * JOINT_FIELDS[1]) * self.joints.corners;
-        // Every file repeats positions, numbers, connectivity and sets.
-        let sets = self.mesh.element_sets().len() as f64;
-        let fixed = 16.0 * nodes + elements * (20.0 + sets / 8.0);
-        if self.laws.variables > 0.0 {
-            bytes += fixed + (8.0 * self.laws.amounts + 4.0 * self.laws.flags) * elements;
-            bytes += PICTURE_BYTES * self.laws.amounts;
-        }
-        if let Some(snapshots) = &self.plan.snapshots {
-            let state = if self.plan.state.snapshots {
-                4.0 * self.laws.variables
-            } else {
-                0.0
-            };
-            let stress = if snapshots.fields.stress { 24.0 } else { 0.0 };
-            let motion = 12.0 * vectors(snapshots.fields.motion);
-            let facets = (FACET_BYTES + 4.0 * JOINT_FIELDS[0]) * self.joints.corners;
-            bytes += (fixed + motion * nodes + (stress + state) * elements + facets)
-                * rows.at(snapshots.every);
-        }
-        if let Some(envelope) = &self.plan.envelope {
-            let (stress, pictures) = if envelope.stress {
-                (16.0, 2.0)
-            } else {
-                (0.0, 0.0)
-            };
-            bytes += fixed + 8.0 * vectors(envelope.motion) * nodes + stress * elements;
-            bytes += PICTURE_BYTES * (vectors(envelope.motion) + pictures);
-        }
         // The conversion saturates at the largest number.
-        bytes as u64
-    }
-
-    /// Number of values in the history tables, times included.
-    fn numbers(&self, steps: u64) -> f64 {
-        let rows = self.rows(steps);
-        let of_joints =
-            OF_EVERY_JOINT * self.joints.joints + OF_A_JOINT * self.plan.joints.len() as f64;
-        let state = self.laws.variables * self.plan.state.places.len() as f64;
-        let times = if of_joints + state > 0.0 { 1.0 } else { 0.0 };
-        numbers(&self.plan, &rows) + (of_joints + state + times) * rows.at(self.plan.every)
-    }
-
-    /// Numbers of nodes and elements.
-    fn counts(&self) -> (f64, f64) {
-        let mesh = &self.mesh;
-        (mesh.node_count() as f64, mesh.element_count() as f64)
+        (SUMMARY_BYTES + self.scale.price(steps).files) as u64
     }
 }
 
@@ -461,72 +321,6 @@ pub(crate) fn element_nodes(mesh: &Mesh) -> usize {
     let elements = 0..mesh.element_count() as u32;
     elements.map(|element| mesh.nodes_of(element).len()).sum()
 }
-
-/// Numbers of samples of outputs with a cadence.
-struct Rows {
-    duration: f64,
-    steps: f64,
-}
-
-impl Rows {
-    /// Number of samples at an interval (s): at most one per step, with the first and the last.
-    fn at(&self, every: f64) -> f64 {
-        ((self.duration / every).ceil() + 2.0).min(self.steps)
-    }
-}
-
-fn vectors(motion: Motion) -> f64 {
-    let wanted = [motion.displacement, motion.velocity, motion.acceleration];
-    wanted.iter().filter(|wanted| **wanted).count() as f64
-}
-
-/// Columns of the energy balance, of a relative displacement, of a section and of a stress.
-const ENERGY_COLUMNS: f64 = 19.0;
-const RELATIVE_COLUMNS: f64 = 4.0;
-const SECTION_COLUMNS: f64 = 9.0;
-const STRESS_COLUMNS: f64 = 9.0;
-/// Rows of band-limited accelerations to a period of the band.
-const ROWS_OF_BAND: f64 = 5.0;
-
-/// Number of values in the tables of motion, stress, sections and energies, times included.
-fn numbers(plan: &OutputPlan, rows: &Rows) -> f64 {
-    let histories = plan
-        .histories
-        .iter()
-        .map(|request| 3.0 * vectors(request.motion));
-    let columns = histories.sum::<f64>()
-        + STRESS_COLUMNS * plan.stresses.len() as f64
-        + RELATIVE_COLUMNS * plan.relative.len() as f64
-        + plan
-            .sampled
-            .iter()
-            .map(|request| request.sampler.columns().len() as f64)
-            .sum::<f64>()
-        + SECTION_COLUMNS * plan.cuts.len() as f64;
-    let energies = plan
-        .energies
-        .map_or(0.0, |every| (1.0 + ENERGY_COLUMNS) * rows.at(every));
-    let tables = if columns > 0.0 { columns + 2.0 } else { 0.0 };
-    let requests = plan.histories.iter();
-    let accelerations = requests
-        .filter(|request| request.motion.acceleration)
-        .count();
-    let of_band = match plan.accelerations {
-        AccelerationRule::Mean if accelerations > 0 => {
-            let band = plan.band.unwrap_or(OutputPlan::BAND);
-            (1.0 + 3.0 * accelerations as f64) * (ROWS_OF_BAND * band * rows.duration).ceil()
-        }
-        _ => 0.0,
-    };
-    tables * rows.at(plan.every) + of_band + energies
-}
-
-/// Bytes of a number in a CSV file, and of a point of a plot.
-const CSV_BYTES: f64 = 23.0;
-const PLOT_BYTES: f64 = 16.0;
-/// Bytes of a picture, and of the summary with the scene.
-const PICTURE_BYTES: f64 = 4e5;
-const SUMMARY_BYTES: f64 = 4e4;
 
 #[cfg(test)]
 mod tests {

@@ -269,13 +269,13 @@ impl Comparison {
             return Err(StudyError::Interrupted);
         }
         let mut sums = [[0.0_f64; 4]; 2];
-        for (row, &time) in results.histories.times.iter().enumerate() {
+        for (row, &time) in results.histories().times.iter().enumerate() {
             let mut exact = [FieldMotion::default(); 2];
             self.sampler.add_motion(time, &mut exact);
             for (point, exact) in exact.iter().enumerate() {
                 let name = self.points[point].0;
                 let add = |sums: &mut [f64], letter: char, exact: &Vec3| {
-                    let found = vector(&results.histories, name, letter, row);
+                    let found = vector(results.histories(), name, letter, row);
                     sums[0] += (found - exact).norm_squared();
                     sums[1] += exact.norm_squared();
                 };

@@ -86,7 +86,7 @@ impl Folder {
 
 fn histories(scene: FileScene) -> Vec<Vec<f64>> {
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
-    let columns = results.histories.columns.into_iter();
+    let columns = results.histories().columns.clone().into_iter();
     columns.map(|column| column.values).collect()
 }
 

@@ -252,7 +252,7 @@ fn run(folder: &Path, precision: &str) -> (HistoryTable, f64) {
     simulation.step().unwrap();
     let started = Instant::now();
     let results = simulation.run(RunHooks::default()).unwrap();
-    (results.histories, started.elapsed().as_secs_f64())
+    (results.histories().clone(), started.elapsed().as_secs_f64())
 }
 
 /// The largest relative L2 difference of a motion, its components together.

@@ -81,7 +81,8 @@ fn difference(scene: &Path, reference: &Path) -> f64 {
             .unwrap()
             .run(RunHooks::default())
             .unwrap()
-            .histories
+            .histories()
+            .clone()
     };
     let (found, reference) = (motion(scene), motion(reference));
     let (mut difference, mut size) = (0.0, 0.0);

@@ -39,9 +39,9 @@ fn error(text: &str, axis: usize) -> f64 {
     let sampler = wave.prepare(&[Vec3::new(0.0, 2.0, 0.0)]).unwrap();
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let name = ["surface.ux", "surface.uy", "surface.uz"][axis];
-    let column = results.histories.column(name).unwrap();
+    let column = results.histories().column(name).unwrap();
     let (mut off, mut all) = (0.0, 0.0);
-    for (time, value) in results.histories.times.iter().zip(&column.values) {
+    for (time, value) in results.histories().times.iter().zip(&column.values) {
         let mut motion = [FieldMotion::default()];
         sampler.add_motion(*time, &mut motion);
         let exact = motion[0].displacement[axis];

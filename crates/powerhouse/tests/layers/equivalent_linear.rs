@@ -175,8 +175,8 @@ fn a_box_moves_like_its_equivalent_layers() {
     let softened = scene.layered_waves()[0].clone();
     let small = read(&site("", "", &[MODERATE])).unwrap();
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
-    let times = results.histories.times.clone();
-    let column = results.histories.column("surface.ux").unwrap();
+    let times = results.histories().times.clone();
+    let column = results.histories().column("surface.ux").unwrap();
     let again = read(&site(CLAY, GRAVEL, &[MODERATE])).unwrap();
     assert_eq!(
         softened.parameters().arrival,
@@ -235,12 +235,12 @@ fn a_run_begins_at_rest_under_the_weight_of_soft_ground() {
     let (layers, ..) = figures(&scene);
     assert!(layers[0].modulus < 0.9, "{layers:?}");
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
-    let column = |name: &str| results.histories.column(name).unwrap().values.clone();
+    let column = |name: &str| results.histories().column(name).unwrap().values.clone();
     let (moved, stress) = (column("surface.ux"), column("below.zz"));
     let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     // The wave comes after 0.2 s; its motion is a thousand times what the start may move.
     let early = results
-        .histories
+        .histories()
         .times
         .iter()
         .take_while(|time| **time < 0.05)

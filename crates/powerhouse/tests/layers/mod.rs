@@ -150,13 +150,13 @@ fn error(size: f64, kind: WaveKind, degrees: f64, delay: f64, damped: bool) -> f
     let results = simulation.run(RunHooks::default()).unwrap();
     let sampler = wave.prepare(&points).unwrap();
     let (mut missed, mut all) = (0.0, 0.0);
-    for (row, time) in results.histories.times.iter().enumerate() {
+    for (row, time) in results.histories().times.iter().enumerate() {
         let mut exact = vec![FieldMotion::default(); points.len()];
         sampler.add_motion(*time, &mut exact);
         for (index, exact) in exact.iter().enumerate() {
             for (axis, name) in ["ux", "uy", "uz"].into_iter().enumerate() {
                 let column = results
-                    .histories
+                    .histories()
                     .column(&format!("p{index}.{name}"))
                     .unwrap();
                 missed += (column.values[row] - exact.displacement[axis]).powi(2);

@@ -122,16 +122,16 @@ fn spectra_of_a_landing_are_those_of_every_step() {
     let finest = thrown(&LANDING, 10, 0.5, &every(0.01));
     let opened = finest.joint_outcomes[0].peak_opening.0;
     assert!(opened > 1e-3, "{opened}");
-    let exact = spectrum(&finest.accelerations, 4);
+    let exact = spectrum(finest.accelerations(), 4);
     let mut instants = Vec::new();
     for (bricks, safety) in [(2, 1.0), (2, 0.45), (5, 1.0)] {
         let found = thrown(&LANDING, bricks, safety, &every(0.01));
-        let off = farthest(&spectrum(&found.accelerations, 4), &exact);
+        let off = farthest(&spectrum(found.accelerations(), 4), &exact);
         println!("figure landing.spectra_{bricks}_{safety} {off:.4}");
         assert!(off < 0.03, "{bricks} {safety}: {off}");
         instants.push(
             found
-                .histories
+                .histories()
                 .column("top.az")
                 .unwrap()
                 .instant_peak()
@@ -140,16 +140,16 @@ fn spectra_of_a_landing_are_those_of_every_step() {
         );
         for other in [0.0025, 0.04] {
             let same = thrown(&LANDING, bricks, safety, &every(other));
-            assert_eq!(same.accelerations, found.accelerations, "{other}");
+            assert_eq!(same.accelerations(), found.accelerations(), "{other}");
             // Means add up to the velocity.
             let (times, rows) = (
-                &same.histories.times,
-                same.histories.column("top.az").unwrap(),
+                &same.histories().times,
+                same.histories().column("top.az").unwrap(),
             );
             let count = times.iter().take_while(|time| **time < 1.4).count();
             let sum: f64 = rows.values[1..count].iter().sum::<f64>() * other;
             let first = rows.values[0] * 0.5 * other;
-            let velocity = same.histories.column("top.vz").unwrap();
+            let velocity = same.histories().column("top.vz").unwrap();
             let end = 0.5 * (velocity.values[count - 1] + velocity.values[count]);
             assert!((sum + first - end).abs() < 0.02, "{other}: {sum} {end}");
         }
@@ -157,8 +157,8 @@ fn spectra_of_a_landing_are_those_of_every_step() {
     let greatest = |of: f64| instants.iter().map(|a| a.abs()).fold(0.0, f64::max) > of;
     assert!(greatest(2.0 * exact[10]), "{instants:?} {exact:?}");
     let picked = thrown(&LANDING, 2, 1.0, "every = 0.01\nacceleration = \"instant\"");
-    assert!(picked.accelerations.times.is_empty());
-    let off = farthest(&spectrum(&picked.histories, 1)[..8], &exact[..8]);
+    assert!(picked.accelerations().times.is_empty());
+    let off = farthest(&spectrum(picked.histories(), 1)[..8], &exact[..8]);
     println!("figure landing.spectra_of_instants {off:.4}");
     assert!(off > 0.25, "{off}");
 }
@@ -170,10 +170,10 @@ fn spectra_of_bars_that_hit_converge() {
         let finest = thrown(of, 10, 0.5, "every = 0.01");
         let opened = finest.joint_outcomes[0].peak_opening.0;
         assert!(opened > 1e-3, "{name}: {opened}");
-        let exact = spectrum(&finest.accelerations, 4);
+        let exact = spectrum(finest.accelerations(), 4);
         for (bricks, safety) in [(2, 1.0), (2, 0.45), (5, 1.0)] {
             let found = thrown(of, bricks, safety, "every = 0.01");
-            let off = farthest(&spectrum(&found.accelerations, 4), &exact);
+            let off = farthest(&spectrum(found.accelerations(), 4), &exact);
             println!("figure {name}.spectra_{bricks}_{safety} {off:.4}");
             assert!(off < 0.03, "{name} {bricks} {safety}: {off}");
         }

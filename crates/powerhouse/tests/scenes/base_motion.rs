@@ -109,11 +109,11 @@ fn the_base_moves_from_the_start_of_its_record() {
         for &(axis, corner, swell) in &records {
             let (signal, lead) = filtered(&record(swell), corner);
             let name = ["base.ux", "base.uy", "base.uz"][axis];
-            let column = results.histories.column(name).unwrap();
+            let column = results.histories().column(name).unwrap();
             let peak = signal.report().peak_displacement;
             // Rows between steps are on the chord of the two.
             let chord = signal.report().peak_acceleration * results.run.step.powi(2) / 8.0;
-            for (time, found) in results.histories.times.iter().zip(&column.values) {
+            for (time, found) in results.histories().times.iter().zip(&column.values) {
                 let expected = signal.motion(time + lead - padding).displacement;
                 // Ramp over half a period of the corner frequency, while the motion is small.
                 let share = if *time < 0.5 / corner { QUIET } else { 1e-9 };
@@ -124,8 +124,11 @@ fn the_base_moves_from_the_start_of_its_record() {
                 );
             }
             // A sudden displacement would be an impact.
-            let velocity = results.histories.column(&name.replace(".u", ".v")).unwrap();
-            let early = results.histories.times.iter().zip(&velocity.values);
+            let velocity = results
+                .histories()
+                .column(&name.replace(".u", ".v"))
+                .unwrap();
+            let early = results.histories().times.iter().zip(&velocity.values);
             let early = early.filter(|(time, _)| **time < 0.5 / corner);
             let blow = early.fold(0.0_f64, |most, (_, v)| most.max(v.abs()));
             assert!(

@@ -54,7 +54,7 @@ const FULL: &str = "kernel = \"hex8-full\"";
 const DAMPED: &str = "damping = { kind = \"rayleigh\", ratio = 0.05, frequencies = [1, 10] }";
 
 fn column<'a>(results: &'a Results, name: &str) -> &'a [f64] {
-    &results.energies.column(name).unwrap().values
+    &results.energies().column(name).unwrap().values
 }
 
 fn last(results: &Results, name: &str) -> f64 {
@@ -85,7 +85,7 @@ fn bricks_of_any_length_take_their_fracture_energy() {
                 (0.98..1.02).contains(&ratio),
                 "{height} m {kernel}: {ratio}"
             );
-            let width = results.histories.column("p.crack_band_width").unwrap();
+            let width = results.histories().column("p.crack_band_width").unwrap();
             let width = width.values.last().unwrap();
             assert!((width / height - 1.0).abs() < 1e-6, "{width} of {height}");
         }
@@ -125,7 +125,7 @@ fn stiffness_damping_fades_with_the_stiffness() {
             assert!(share > 0.0 && share <= most, "{duration} s: {share}");
             // Energy of the loading at the sides.
             let work = column(&results, "prescribed motion");
-            let times = &results.energies.times;
+            let times = &results.energies().times;
             let last = times.iter().rposition(|time| *time < duration).unwrap();
             let time = times[last] - times[last - 1];
             let carried = (work[last] - work[last - 1]) / (2.0e-3 / duration * time);

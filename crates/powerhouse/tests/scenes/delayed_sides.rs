@@ -116,7 +116,7 @@ fn the_back_moves_as_the_ground_there() {
 /// Relative difference of the motion of a history from the field at a point.
 fn error_of(results: &Results, field: &dyn IncidentField, (name, at): (&str, Vec3)) -> f64 {
     let sampler = field.prepare(&[at]).unwrap();
-    let table = &results.histories;
+    let table = results.histories();
     let (mut missed, mut all) = (0.0, 0.0);
     for (row, &time) in table.times.iter().enumerate() {
         let mut motion = [FieldMotion::default()];

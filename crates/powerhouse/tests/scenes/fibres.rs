@@ -44,7 +44,7 @@ fn a_lining_steps_as_far_as_requested() {
 
 fn misfit(reference: &Results, found: &Results, column: &str) -> f64 {
     let of = |results: &Results| {
-        let tables = [&results.sections, &results.histories];
+        let tables = [results.sections(), results.histories()];
         let found = tables.iter().find_map(|table| table.column(column));
         found.unwrap_or_else(|| panic!("{column}")).values.clone()
     };

@@ -79,10 +79,10 @@ fn former_names_are_read() {
         assert_eq!(remarks(&former), [(table, names)], "{keys}");
         assert_eq!(remarks(&present), [], "{keys}");
         let [former, present] = [former, present].map(run);
-        assert_eq!(former.histories, present.histories, "{keys}");
-        assert_eq!(former.sections, present.sections, "{keys}");
+        assert_eq!(former.histories(), present.histories(), "{keys}");
+        assert_eq!(former.sections(), present.sections(), "{keys}");
         if table == "boundary" {
-            assert_ne!(former.histories, run(cube_scene()).histories, "{keys}");
+            assert_ne!(former.histories(), run(cube_scene()).histories(), "{keys}");
         }
     }
 }

@@ -78,7 +78,7 @@ fn stretched(
     });
     let results = simulation.run(RunHooks::default()).unwrap();
     let force = results
-        .bolt_histories
+        .bolt_histories()
         .column("bolt.greatest")
         .unwrap()
         .values[0];

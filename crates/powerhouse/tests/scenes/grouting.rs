@@ -163,7 +163,7 @@ fn run(scene: Scene) -> Results {
 /// Records of the joint, and the peak of one of its columns.
 fn seen(results: &Results) -> (&[JointRecord], impl Fn(&str) -> f64 + '_) {
     let most = |name: &str| {
-        let column = results.joint_histories.column(&format!("seam.{name}"));
+        let column = results.joint_histories().column(&format!("seam.{name}"));
         let values = column.unwrap().values.iter();
         values.fold(f64::NEG_INFINITY, |most, value| most.max(*value))
     };
@@ -410,7 +410,7 @@ fn grouting_is_carried_over() {
     intact(&resumed);
     let whole = run(blocks.scene(plan(true), None));
     assert_eq!(resumed.joints, whole.joints);
-    assert_eq!(resumed.joint_histories, whole.joint_histories);
+    assert_eq!(resumed.joint_histories(), whole.joint_histories());
     let never = run(blocks.scene(plan(false), None));
     assert!(
         seen(&never)

@@ -47,13 +47,13 @@ quantities = ["acceleration"]
 
 /// Root mean square of the acceleration of the middle above the band, 100 Hz, while the slab is crushed: of all steps.
 fn noise(results: &Results) -> f64 {
-    let times = &results.histories.times;
+    let times = &results.histories().times;
     let rows: Vec<usize> = (0..times.len()).filter(|&row| times[row] > 0.3).collect();
-    let limited = &results.accelerations;
+    let limited = results.accelerations();
     let sum: f64 = ["mid.ax", "mid.az"]
         .iter()
         .map(|name| {
-            let all = &results.histories.column(name).unwrap().values;
+            let all = &results.histories().column(name).unwrap().values;
             let slow = &limited.column(name).unwrap().values;
             let squares = rows.iter().map(|&row| {
                 let near = limited.times.partition_point(|time| *time < times[row]);
@@ -162,8 +162,8 @@ fn ratios_are_proportional_to_frequency() {
         );
         let results = run(bar(bricks, damping));
         let (times, top) = (
-            &results.histories.times,
-            results.histories.column("top.uz").unwrap(),
+            &results.histories().times,
+            results.histories().column("top.uz").unwrap(),
         );
         let mut peaks = Vec::new();
         for row in 1..times.len() - 1 {

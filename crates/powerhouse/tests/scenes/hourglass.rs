@@ -102,13 +102,13 @@ fn hourglass_work_above_its_limit_is_reported() {
 fn the_stress_at_a_surface_has_the_moment_of_the_loads() {
     let (results, _) = strip("hex8-natural");
     let last = |name: &str| -> f64 {
-        let table = &results.energies;
+        let table = results.energies();
         *table.column(name).unwrap().values.last().unwrap()
     };
     assert!(last("bending") > 10.0 * last("elastic") && last("hourglass") == 0.0);
     // Loads of the nodes at 5, 6, 7 and 8 m about 4.5 m, over a sixth of the section.
     let moment = 1e4 * (0.5 + 1.5 + 2.5 + 0.5 * 3.5);
-    let column = |name: &str| results.histories.column(name).unwrap().values[0];
+    let column = |name: &str| results.histories().column(name).unwrap().values[0];
     let (found, mean) = (column("top.xx"), column("mean.xx"));
     assert!(
         (found / (6.0 * moment) - 1.0).abs() < 1e-4,
@@ -192,8 +192,8 @@ at = [450, 0, 0]
     let sampler = field.prepare(&points).unwrap();
     let (mut error, mut size) = (0.0, 0.0);
     let columns = ["a.ux", "b.ux", "c.ux", "a.uz", "b.uz", "c.uz"];
-    let columns = columns.map(|name| &results.histories.column(name).unwrap().values);
-    for (row, time) in results.histories.times.iter().enumerate() {
+    let columns = columns.map(|name| &results.histories().column(name).unwrap().values);
+    for (row, time) in results.histories().times.iter().enumerate() {
         let mut motion = [FieldMotion::default(); 3];
         sampler.add_motion(*time, &mut motion);
         for (point, motion) in motion.iter().enumerate() {

@@ -86,7 +86,7 @@ fn history_variables_of_a_contact_law_are_results() {
         );
     }
     let last = |name: &str| {
-        let column = results.joint_histories.column(name).unwrap();
+        let column = results.joint_histories().column(name).unwrap();
         (*column.values.last().unwrap(), column.unit)
     };
     let sum: f64 = (pairs.iter().enumerate())
@@ -96,7 +96,7 @@ fn history_variables_of_a_contact_law_are_results() {
     assert!((mean / (sum / 9e4) - 1.0).abs() < 1e-12 && unit == "m");
     assert_eq!(last("bedding.worn"), (2.0, "1"));
     assert_eq!(last("corner.wear").0, wear(0));
-    let columns = results.joint_histories.columns.iter();
+    let columns = results.joint_histories().columns.iter();
     let of_corner = columns.filter(|column| column.name.starts_with("corner."));
     assert_eq!(of_corner.count(), 2);
 

@@ -148,7 +148,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
     let mesh = scene.mesh().clone();
     let results = run(scene);
     let last = |name: &str| {
-        let column = results.joint_histories.column(name);
+        let column = results.joint_histories().column(name);
         *column
             .unwrap_or_else(|| panic!("{name}"))
             .values
@@ -176,7 +176,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
         let column = |quantity: &str| {
             let name = format!("pair {index}.{quantity}");
             results
-                .joint_histories
+                .joint_histories()
                 .column(&name)
                 .unwrap()
                 .values
@@ -190,7 +190,7 @@ fn columns_hold_the_contact_states_of_the_pairs() {
             peak.values[index]
         );
         let row = results
-            .joint_histories
+            .joint_histories()
             .times
             .iter()
             .position(|&t| t == peak.times[index]);
@@ -254,9 +254,9 @@ fn columns_hold_the_contact_states_of_the_pairs() {
     );
     assert!(whole.slipped > 0.0 && whole.slipped <= 1.0 + 1e-12 && whole.opened > 0.0);
     // A history of states begins at the first time.
-    let times = results.joint_histories.times.iter();
+    let times = results.joint_histories().times.iter();
     let sliding = &results
-        .joint_histories
+        .joint_histories()
         .column("bedding.sliding")
         .unwrap()
         .values;

@@ -42,7 +42,7 @@ fn equal(keys: &str, change: impl Fn(SceneJoint) -> SceneJoint) -> powerhouse::R
     let twin = cube_scene_of(mesh, &["lower", "upper"]).joint(change(joint));
     let scene = read(&folder, &text).unwrap_or_else(|error| panic!("{keys}: {error}"));
     let (file, twin) = (run(scene), run(twin));
-    assert_eq!(file.histories, twin.histories, "{keys}");
+    assert_eq!(file.histories(), twin.histories(), "{keys}");
     assert_eq!(file.joints, twin.joints, "{keys}");
     file
 }

@@ -149,9 +149,9 @@ fn scenes_are_read_with_changed_keys() {
         run(read(&["wave.incidence=40", "time.duration=0.3"]).unwrap()),
         run(twin),
     );
-    assert_eq!(own.histories, twin.histories);
+    assert_eq!(own.histories(), twin.histories());
     assert!(
-        own.histories
+        own.histories()
             .columns
             .iter()
             .any(|column| column.values.iter().any(|&u| u != 0.0))

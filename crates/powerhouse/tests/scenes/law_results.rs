@@ -49,7 +49,7 @@ fn energies_of_plastic_flow_and_damage_are_reported() {
         let residual = results.energy_residual().unwrap();
         assert!(residual.largest < 1e-9, "{residual:?}");
         assert!(residual.share_of_input.unwrap() < 1e-9, "{residual:?}");
-        let column = |name: &str| results.energies.column(name).unwrap().values.clone();
+        let column = |name: &str| results.energies().column(name).unwrap().values.clone();
         let rising = |values: &[f64], sign: f64| {
             assert!(
                 values
@@ -90,10 +90,10 @@ fn history_variables_are_recorded() {
     let mut plan = twin.output().clone();
     plan = plan.state("surface", powerhouse::model::Vec3::new(150.0, 150.0, 0.0));
     let twin = run(twin.with_output(plan));
-    assert_eq!(results.histories, twin.histories);
+    assert_eq!(results.histories(), twin.histories());
     for name in ["damage", "plastic_strain_zx", "yield_state"] {
         let column = results
-            .histories
+            .histories()
             .column(&format!("surface.{name}"))
             .unwrap();
         assert!(column.values.iter().any(|v| *v != 0.0), "{name}");
@@ -187,9 +187,13 @@ fn a_state_request_without_history_variables_is_reported() {
 #[test]
 fn energy_of_closing_cracks_is_warned_of() {
     let warning = |[plastic, damage, recovery, integration]: [f64; 4]| {
-        let mut results = run(cube_scene());
-        results.energies.times = vec![0.0, 1.0];
-        results.energies.columns = [
+        let scene = cube_scene();
+        let plan = scene.output().clone().with_energies(0.1);
+        let mut results = run(scene.with_output(plan));
+        let mut tables = results.tables.iter_mut();
+        let energies = tables.find(|table| table.form.name == "energies").unwrap();
+        energies.rows.times = vec![0.0, 1.0];
+        energies.rows.columns = [
             ("plastic", plastic),
             ("damage", damage),
             ("recovery", recovery),

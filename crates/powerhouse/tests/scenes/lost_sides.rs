@@ -118,7 +118,7 @@ fn an_excavated_side_holds_nothing_in_motion() {
     let motion = |scene: Scene| {
         let scene = scene.with_step(TimeStep::Seconds(1e-4));
         let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
-        let column = |name: &str| results.histories.column(name).unwrap().values.clone();
+        let column = |name: &str| results.histories().column(name).unwrap().values.clone();
         ["corner.vy", "corner.vz"].map(column)
     };
     let (alone, opened) = (motion(upper()), motion(opened(exact(), true)));

@@ -47,7 +47,7 @@ fn a_record_in_memory_takes_the_place_of_a_file() {
     let in_memory = read(&variants, "", &registry).unwrap();
     assert_eq!(in_memory.records(), of_file.records());
     let (in_memory, of_file) = (run(in_memory), run(of_file));
-    assert_eq!(in_memory.histories, of_file.histories);
+    assert_eq!(in_memory.histories(), of_file.histories());
 
     let mut elsewhere = Registry::default();
     elsewhere.add_record("other", TimeHistory::new(0.01, samples()).unwrap());

@@ -126,7 +126,7 @@ fn the_waves_of_a_motion_are_its_record() {
     assert!(remarks.any(|r| matches!(r, Remark::Split(_)) && !r.is_warning()));
     let results = simulation.run(RunHooks::default()).unwrap();
     let peak = results
-        .histories
+        .histories()
         .column("surface.ax")
         .unwrap()
         .values

@@ -75,7 +75,7 @@ fn names_with_commas_reach_their_files() {
         .unwrap();
     let table = powerhouse::io::read_table(&folder.path().join("histories.csv")).unwrap();
     assert_eq!(table[1].name, "crown, \"left\".ux");
-    assert_eq!(table[1].values, results.histories.columns[0].values);
+    assert_eq!(table[1].values, results.histories().columns[0].values);
 }
 
 /// What has a name in a scene.

@@ -2,10 +2,14 @@
 
 use std::sync::Arc;
 
-use powerhouse::engine::observe::HistorySampler;
-use powerhouse::model::{ModelError, Reach, Selection, StepView};
+use powerhouse::engine::observe::{EnergyHistory, HistorySampler};
+use powerhouse::io::TableColumn;
+use powerhouse::model::{Cadence, ModelError, Reach, Selection, StepView};
 use powerhouse::schemars::JsonSchema;
-use powerhouse::{Error, FileScene, Problem, Registry, RunHooks};
+use powerhouse::{
+    Error, FileScene, OutputItem, OutputPrice, OutputScale, OutputSite, Problem, Recorder,
+    Registry, ResultFolder, RunHooks, RunNotes, Scene, TableForm, TablePeaks, TablePlots,
+};
 use serde::Deserialize;
 
 use super::support::*;
@@ -77,7 +81,7 @@ fn a_registered_output_is_among_the_histories() {
         let scene =
             FileScene::from_toml(with(keys), folder.join("scene.toml"), &registry()).unwrap();
         let results = scene.prepare().unwrap().run(RunHooks::default());
-        results.map(|results| results.histories)
+        results.map(|results| results.histories().clone())
     };
     let table = of("kind = \"fastest\"\nset = \"top\"\nfactor = 2\n").unwrap();
     let names: Vec<&str> = table.columns.iter().map(|column| &*column.name).collect();
@@ -167,4 +171,100 @@ fn the_schema_has_registered_outputs() {
     assert!(schema.contains("fastest") && schema.contains("Factor on the speed"));
     let plain = Registry::default().schema().to_value().to_string();
     assert!(!plain.contains("fastest"));
+}
+
+/// Item of output of a program's own: a table of energies at long intervals.
+#[derive(Debug)]
+struct Coarse {
+    name: &'static str,
+    every: f64,
+}
+
+impl OutputItem for Coarse {
+    fn record(&self, _site: &OutputSite, into: &mut Recorder) -> Result<(), Error> {
+        let energies =
+            EnergyHistory::new(Cadence::Seconds(self.every)).map_err(ModelError::from)?;
+        let form = TableForm::new(self.name, TablePlots::One, TablePeaks::All);
+        into.table(form, energies.recording(), |table| table);
+        into.observe(energies);
+        let name = self.name;
+        into.list(format!("lists/{name}"), None, move |results| {
+            let rows = results.table(name).times.len() as f64;
+            Some((vec![TableColumn::new("rows", "1", vec![rows])], None))
+        });
+        Ok(())
+    }
+    fn price(&self, scale: &OutputScale) -> OutputPrice {
+        scale.table(19.0, self.every)
+    }
+}
+
+fn with_items(items: &[(&'static str, f64)]) -> Scene {
+    let scene = cube_scene();
+    let mut plan = scene.output().clone().with_energies(0.1);
+    for &(name, every) in items {
+        plan = plan.item(Arc::new(Coarse { name, every }));
+    }
+    scene.with_output(plan)
+}
+
+/// A table of a program's own is in the results and their peaks, grows on disk, is announced, written with its plot and its list, and
+/// removed before the next run, also after one that was killed; its price is that of its numbers.
+#[test]
+fn an_item_of_a_program_has_its_files() {
+    let folder = Folder::new("own-item");
+    let out = ResultFolder::new(folder.join("out"));
+    let there = |file: &str| out.path().join(file).exists();
+    let files = ["coarse.csv", "plots/coarse.svg", "lists/coarse.csv"];
+    let scene = with_items(&[("coarse", 0.05)]);
+    let [with, without] =
+        [&scene, &with_items(&[])].map(|of| of.output_scale().unwrap().price(1000));
+    // Times and nineteen columns at so many instants of the run, its start and its end.
+    let numbers = 20.0 * ((scene.duration() / 0.05).ceil() + 2.0);
+    assert!((with.memory - without.memory - 32.0 * numbers).abs() < 1e-6);
+    let simulation = scene.prepare().unwrap();
+    let announced = powerhouse::result_files(&simulation);
+    assert!(files.iter().all(|file| announced.iter().any(|a| a == file)));
+    let mesh = simulation.mesh().clone();
+    out.begin(&simulation).unwrap();
+    let tables = out.tables().with_interval(std::time::Duration::ZERO);
+    let results = simulation.run(RunHooks::default().with_tables(tables));
+    let results = results.unwrap();
+    assert!(there("coarse.csv") && !there("plots/coarse.svg"));
+    let table = results.table("coarse");
+    assert!(table.times.len() > 2 && table.times[1] == 0.05);
+    let peaks = results.peaks(&mesh);
+    assert!(peaks.rows.iter().any(|row| row.name == "kinetic"));
+
+    // As after a run that was killed.
+    out.clear().unwrap();
+    assert!(!there("coarse.csv"));
+    let written = out.write(("cube", &mesh), &results, &RunNotes::default(), None);
+    for file in files {
+        assert!(there(file) && written.as_ref().unwrap().contains(&out.path().join(file)));
+    }
+    let list = std::fs::read_to_string(out.path().join("lists/coarse.csv")).unwrap();
+    let rows = list.lines().nth(1).unwrap().parse::<f64>().unwrap();
+    assert_eq!(rows, table.times.len() as f64);
+    out.clear().unwrap();
+    assert!(files.iter().all(|file| !there(file)));
+}
+
+/// Two tables of one name are refused, as is one that has the name of a table of the software.
+#[test]
+fn tables_of_one_name_are_refused() {
+    for items in [
+        &[("energies", 0.1)][..],
+        &[("coarse", 0.1), ("coarse", 0.2)],
+    ] {
+        let error = with_items(items).prepare().err().unwrap().to_string();
+        let name = items[0].0;
+        let expected = format!("two results have the name '{name}.csv'");
+        assert!(error.contains(&expected), "{error}");
+    }
+    assert!(
+        with_items(&[("coarse", 0.1), ("finer", 0.01)])
+            .prepare()
+            .is_ok()
+    );
 }

@@ -90,7 +90,7 @@ fn a_periodic_block_shears_as_elastic_and_frictional() {
     assert!(lag < 0.08 * limit);
     for mesh in meshes {
         let results = run(block(&mesh));
-        let table = &results.joint_histories;
+        let table = results.joint_histories();
         let column = |name: &str| &table.column(&format!("all.{name}")).unwrap().values;
         let (mut expected, mut before) = (0.0_f64, 0.0);
         let (mut slid, mut greatest) = (0.0_f64, 0.0_f64);

@@ -73,7 +73,7 @@ fn saturated_ground_moves_as_its_undrained_medium() {
     let [wet, stiff, dry] =
         [&wet, &stiff, &waves].map(|text| run(variants.read_text(text).unwrap()));
     let column = |results: &powerhouse::Results, name: &str| {
-        results.histories.column(name).unwrap().values.clone()
+        results.histories().column(name).unwrap().values.clone()
     };
     let mut largest = 0.0_f64;
     for name in ["surface.ux", "surface.uy", "surface.uz"] {
@@ -130,7 +130,7 @@ fn a_body_stays_at_rest_after_drained_stages() {
             assert!(settled > 1.0001 * of_dry, "{settled} {of_dry}");
         }
         for component in ["ux", "uy", "uz", "vx", "vy", "vz"] {
-            let column = found.histories.column(&format!("corner.{component}"));
+            let column = found.histories().column(&format!("corner.{component}"));
             let values = &column.unwrap().values;
             let most = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
             assert!(most < 1e-10, "{component}: {most:e}");

@@ -50,7 +50,7 @@ fn outside_the_layer_hardly_anything_moves() {
     let peaks = |scene: Scene| {
         let results = run(scene.with_output(output.clone()));
         ["inside", "outside"].map(|name| {
-            let column = results.histories.column(&format!("{name}.ux")).unwrap();
+            let column = results.histories().column(&format!("{name}.ux")).unwrap();
             column
                 .values
                 .iter()

@@ -53,7 +53,7 @@ fn a_curve_names_an_edge() {
         FileScene::from_file(&path).unwrap().into_scene()
     };
     let peak = |results: Results| {
-        let column = results.histories.column("surface.ux").unwrap();
+        let column = results.histories().column("surface.ux").unwrap();
         column.values.iter().fold(0.0_f64, |peak, u| peak.max(*u))
     };
     // The numbering may change, and with it the last digits of the stable step.
@@ -63,7 +63,7 @@ fn a_curve_names_an_edge() {
     let probe = "[[output.history]]\nname = \"edge\"\nset = \"edge\"\n";
     let held = run(read(&(CUBE.replace("[time]", held) + probe)));
     let moved = |name: &str| {
-        let column = held.histories.column(name).unwrap();
+        let column = held.histories().column(name).unwrap();
         column.values.iter().any(|&u| u != 0.0)
     };
     assert!(!moved("edge.ux") && moved("surface.ux"));
@@ -92,10 +92,10 @@ fn file_and_builder_are_equal() {
     let from_file = run(FileScene::from_file(&path).unwrap().into_scene());
     let from_rust = run(cube_scene());
     assert_eq!(from_file.run.steps, from_rust.run.steps);
-    assert_eq!(from_file.histories, from_rust.histories);
+    assert_eq!(from_file.histories(), from_rust.histories());
     // The motion is not zero.
     let peak = from_file
-        .histories
+        .histories()
         .column("surface.ux")
         .unwrap()
         .values
@@ -156,10 +156,10 @@ fn registered_types_run_from_files() {
         .into_scene();
     let (own, built_in) = (run(scene), run(cube_scene()));
     for (own, built_in) in own
-        .histories
+        .histories()
         .columns
         .iter()
-        .zip(&built_in.histories.columns)
+        .zip(&built_in.histories().columns)
     {
         let scale = built_in
             .values
@@ -241,7 +241,7 @@ fn a_stopped_run_leaves_complete_output() {
     assert!(files.iter().all(|file| file.metadata().unwrap().len() > 0));
     let table = read_table(&results.path().join("histories.csv")).unwrap();
     assert_eq!(table[0].name, "time");
-    assert_eq!(table[0].values.len(), found.histories.times.len());
+    assert_eq!(table[0].values.len(), found.histories().times.len());
     let summary = std::fs::read_to_string(results.path().join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["ended"], "stopped");
@@ -304,10 +304,10 @@ fn a_body_may_start_with_the_field() {
             .with_duration(0.35);
         let field = scene.field().unwrap().clone();
         let sampler = field.prepare(&[Vec3::new(150.0, 150.0, 0.0)]).unwrap();
-        let histories = run(scene).histories;
-        let found = &histories.column("surface.ux").unwrap().values;
+        let results = run(scene);
+        let found = &results.histories().column("surface.ux").unwrap().values;
         let (mut missed, mut all) = (0.0, 0.0);
-        for (&time, found) in histories.times.iter().zip(found) {
+        for (&time, found) in results.histories().times.iter().zip(found) {
             let mut exact = [Default::default()];
             sampler.add_motion(time, &mut exact);
             let exact = exact[0].displacement.x;
@@ -374,7 +374,7 @@ set = "top"
         .into_scene();
     let results = run(scene);
     let peak = |name: &str| {
-        let column = results.histories.column(name).unwrap();
+        let column = results.histories().column(name).unwrap();
         column
             .values
             .iter()
@@ -410,7 +410,7 @@ fn engine_supports_go_into_the_builder() {
         ));
     let results = run(scene);
     let top = results
-        .histories
+        .histories()
         .column("top.uz")
         .unwrap()
         .values
@@ -420,7 +420,7 @@ fn engine_supports_go_into_the_builder() {
     // Free fall under a ramp for as long as no wave from the base has arrived, g t^3 / (6 T), which
     // n leapfrog steps find times 1 - 1 / n^2. The mesh lets some of it through ahead of the wave:
     // six elements off, after c t / h = 2 elements of way, 12 * 2^12 / 15! = 4e-8.
-    let time = results.histories.times.last().copied().unwrap();
+    let time = results.histories().times.last().copied().unwrap();
     let steps = (time / 0.001).round();
     let fall = -9.81 * time.powi(3) / (6.0 * 0.05) * (1.0 - 1.0 / (steps * steps));
     assert!((top - fall).abs() < 1e-6 * fall.abs(), "{top} {fall}");

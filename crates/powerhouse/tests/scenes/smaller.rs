@@ -72,8 +72,13 @@ fn mirrored(scene: Scene, parity: Parity) -> Scene {
 /// The largest difference of two runs over the largest motion.
 fn apart(one: &Results, other: &Results) -> f64 {
     let (mut difference, mut peak) = (0.0_f64, 0.0_f64);
-    assert_eq!(one.histories.times, other.histories.times);
-    for (a, b) in one.histories.columns.iter().zip(&other.histories.columns) {
+    assert_eq!(one.histories().times, other.histories().times);
+    for (a, b) in one
+        .histories()
+        .columns
+        .iter()
+        .zip(&other.histories().columns)
+    {
         assert_eq!(a.name, b.name);
         for (a, b) in a.values.iter().zip(&b.values) {
             difference = difference.max((a - b).abs());

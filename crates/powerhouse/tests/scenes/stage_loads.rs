@@ -128,7 +128,7 @@ fn what_the_last_stage_takes_off_does_not_act_in_the_run() {
         let difference = found.hand_over.unwrap().difference;
         assert!(difference < 1e-9, "{difference:e}");
         let columns = ["ux", "uy", "uz"].map(|component| {
-            let column = found.histories.column(&format!("corner.{component}"));
+            let column = found.histories().column(&format!("corner.{component}"));
             column.unwrap().values.clone()
         });
         let values = columns.iter().flatten();

@@ -265,7 +265,7 @@ fn stages_of_a_file_are_those_of_rust() {
     let twin = run(twin);
     assert_eq!(file.stages, twin.stages);
     assert_eq!(file.hand_over, twin.hand_over);
-    assert_eq!(file.histories, twin.histories);
+    assert_eq!(file.histories(), twin.histories());
     assert_eq!(file.bolts, twin.bolts);
     let [ground, trench, support] = &file.stages[..] else {
         panic!("{:?}", file.stages)
@@ -279,7 +279,7 @@ fn stages_of_a_file_are_those_of_rust() {
     assert!(trench.largest_displacement.0 > 1e-5, "{trench:?}");
     assert_eq!((support.excavated, support.cast), (0, 10));
     assert!(support.solution.residual <= 1e-10);
-    let moves = file.histories.column("corner.ux").unwrap();
+    let moves = file.histories().column("corner.ux").unwrap();
     assert!(moves.values.iter().any(|u| u.abs() > 1e-5));
     let [nail, anchors] = &file.bolts[..] else {
         panic!("{:?}", file.bolts)
@@ -328,7 +328,7 @@ static_friction = 0.7
         assert!(found.run.steps > 1000, "{}", found.run.steps);
         for component in ["ux", "uy", "uz", "vx", "vy", "vz"] {
             let column = found
-                .histories
+                .histories()
                 .column(&format!("corner.{component}"))
                 .unwrap();
             let most = column
@@ -338,7 +338,7 @@ static_friction = 0.7
             assert!(most < 1e-10, "{component}: {most:e}");
         }
         let weight = 2600.0 * 9.81 * 11.0;
-        let vertical = found.histories.column("corner.zz").unwrap().values[0];
+        let vertical = found.histories().column("corner.zz").unwrap().values[0];
         assert!(
             (vertical / -weight - 1.0).abs() < 0.3,
             "{vertical:e} {weight:e}"
@@ -687,7 +687,7 @@ load = [{ kind = "traction", set = "top", traction = [0, 0, 5e6] }]
     let text = [MATERIALS, BOLTS, seam, ROLLERS, TRENCH, pulled].concat();
     let simulation = read(&folder, &text).unwrap().prepare().unwrap();
     let results = ResultFolder::new(folder.join("out"));
-    results.begin("trench").unwrap();
+    results.begin(&simulation).unwrap();
     let completed = Arc::new(Mutex::new(Vec::new()));
     let reports = completed.clone();
     let hooks = RunHooks::default()

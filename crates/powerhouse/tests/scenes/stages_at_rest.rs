@@ -44,7 +44,7 @@ fn what_stages_leave_does_not_relax() {
         assert!(centred > 1.1 * usual, "{centred} {usual}");
         for found in [&centre, &at_rest] {
             for component in ["ux", "uy", "uz", "vx", "vy", "vz"] {
-                let column = found.histories.column(&format!("corner.{component}"));
+                let column = found.histories().column(&format!("corner.{component}"));
                 let values = &column.unwrap().values;
                 let most = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
                 assert!(most < 1e-10, "{component}: {most:e}");

@@ -149,9 +149,9 @@ impl Variants {
         let scene = self.read(old, new).unwrap_or_else(|e| panic!("{new}: {e}"));
         let (file, twin) = (run(scene), run(twin));
         assert_eq!(file.run.steps, twin.run.steps, "{new}");
-        assert!(!file.histories.times.is_empty(), "{new}");
-        assert_eq!(file.histories, twin.histories, "{new}");
-        let columns = file.histories.columns.iter();
+        assert!(!file.histories().times.is_empty(), "{new}");
+        assert_eq!(file.histories(), twin.histories(), "{new}");
+        let columns = file.histories().columns.iter();
         let moves = |values: &[f64]| values.iter().any(|&u| u != 0.0);
         assert!(columns.clone().any(|c| moves(&c.values)), "{new}");
     }

@@ -162,7 +162,7 @@ fn ranks_show_the_same_water() {
     let shared = ThreadRanks::run(2, |ranks| {
         let leads = ranks.rank() == 0;
         let engine = Arc::new(ExplicitOnRanks::new(Box::new(ranks)));
-        let histories = of(Some(engine)).histories;
+        let histories = of(Some(engine)).histories().clone();
         Ok(leads.then_some(histories))
     });
     let shared = shared.into_iter().map(Result::unwrap);
@@ -170,7 +170,7 @@ fn ranks_show_the_same_water() {
     // The lowest and the highest part are in blocks of their own.
     for place in ["z2.5", "z10.5"] {
         for name in ["pore_pressure", "effective_zz", "pore_pressure_ratio"] {
-            let [alone, shared] = [&alone.histories, &shared].map(|table| {
+            let [alone, shared] = [alone.histories(), &shared].map(|table| {
                 let column = table.column(&format!("{place}.{name}"));
                 column.unwrap().values.clone()
             });

@@ -138,7 +138,7 @@ pub(super) fn columns() -> [Column; 3] {
 }
 
 pub(super) fn first(results: &Results, column: &str) -> f64 {
-    let found = results.histories.column(column);
+    let found = results.histories().column(column);
     found.unwrap_or_else(|| panic!("{column}")).values[0]
 }
 
@@ -149,7 +149,7 @@ pub(super) fn close(found: f64, expected: f64, size: f64, what: &str) {
 
 /// Largest displacement of the run after the stages (m).
 pub(super) fn moved(results: &Results) -> f64 {
-    let columns = results.histories.columns.iter();
+    let columns = results.histories().columns.iter();
     let displacements = columns.filter(|c| c.name.contains(".u"));
     let values = displacements.flat_map(|c| c.values.iter());
     values.fold(0.0_f64, |most, u| most.max(u.abs()))
@@ -547,7 +547,12 @@ fn tables_of_pressures_stand_for_levels() {
         let [level, table] = [&by_level, &by_table].map(|text| column.run(text));
         let settled = [&level, &table].map(|results| results.stages[1].largest_displacement.0);
         close(settled[0], settled[1], settled[0], "settlement");
-        for (a, b) in level.histories.columns.iter().zip(&table.histories.columns) {
+        for (a, b) in level
+            .histories()
+            .columns
+            .iter()
+            .zip(&table.histories().columns)
+        {
             assert_eq!(a.name, b.name);
             if ["zz", "xx", "yy", "pressure"]
                 .iter()

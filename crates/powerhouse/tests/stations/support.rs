@@ -157,7 +157,7 @@ impl Site {
             for name in ["surface", "corner", "below", "outside"] {
                 for axis in ["ux", "uy", "uz"] {
                     let of = |results: &Results| {
-                        let column = results.histories.column(&format!("{name}.{axis}"));
+                        let column = results.histories().column(&format!("{name}.{axis}"));
                         column.unwrap().values.clone()
                     };
                     for (a, b) in of(&by_file).iter().zip(of(&by_wave)) {

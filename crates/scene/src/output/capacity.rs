@@ -1,8 +1,10 @@
 //! Section forces beside what the sections bear.
 
+use powerhouse_io::TableColumn;
 use powerhouse_observe::{HistoryTable, ObserveError, SectionCapacity, SectionGeometry};
 
-use super::SectionRequest;
+use super::table::plot_file;
+use super::{PlottedCurve, Recorder, SectionRequest, TablePlot, file_name};
 use crate::{Remark, remark};
 
 /// Greatest utilisation of a reinforced section over a run.
@@ -57,12 +59,49 @@ pub(super) fn of_section(
 }
 
 /// Normal forces (N/m) and moments (N m/m) of a section against time, from the table of section forces.
-pub fn forces<'t>(table: &'t HistoryTable, section: &str) -> Option<[&'t [f64]; 2]> {
+fn forces<'t>(table: &'t HistoryTable, section: &str) -> Option<[&'t [f64]; 2]> {
     let column = |name: &str| {
         let column = table.column(&format!("{section}.{name}"))?;
         Some(column.values.as_slice())
     };
     Some([column("axial_per_metre")?, column("moment_per_metre")?])
+}
+
+/// Points of half an interaction diagram.
+const DIAGRAM: usize = 60;
+
+/// Adds the list of the interaction diagram of a section, whose plot has the forces of the run in it.
+pub(super) fn list(into: &mut Recorder, section: String, bears: SectionCapacity) {
+    let name = format!("capacity/{}", file_name(&section));
+    let plot = plot_file("capacity-", &section);
+    into.list(name, Some(plot), move |results| {
+        let line = bears.interaction(DIAGRAM);
+        let borne = |axis: usize| -> Vec<f64> { line.iter().map(|point| point[axis]).collect() };
+        let column = |name: &str, unit: &str, axis: usize| {
+            TableColumn::new(format!("{section}.{name}"), unit, borne(axis))
+        };
+        let columns = vec![
+            column("axial_per_metre", "N/m", 0),
+            column("moment_per_metre", "N m/m", 1),
+        ];
+        let thousands = |values: &[f64]| -> Vec<f64> { values.iter().map(|v| 1e-3 * v).collect() };
+        let curve = |name, [x, y]: [&[f64]; 2]| {
+            let [x, y] = [x, y].map(thousands);
+            PlottedCurve { name, x, y }
+        };
+        let plot = forces(results.sections(), &section).map(|of_run| TablePlot {
+            title: section.clone(),
+            axis: ["N, tension positive", "kN/m"],
+            panels: vec![(
+                ["M", "kN m/m"].map(String::from),
+                vec![
+                    curve("borne", [&borne(0), &borne(1)]),
+                    curve("of the run", of_run),
+                ],
+            )],
+        });
+        Some((columns, plot))
+    });
 }
 
 /// Greatest utilisation of each section with a capacity, by name.

@@ -8,7 +8,7 @@ use powerhouse_observe::{
     Place, SectionReinforcement, SnapshotFields, StressPlace,
 };
 
-use super::RingRequest;
+use super::{ITEMS, OutputItem, RingRequest};
 use crate::JointZone;
 
 /// Request for the motion at a place against time.
@@ -345,6 +345,8 @@ pub struct OutputPlan {
     pub snapshots: Option<SnapshotRequest>,
     /// Request for history variables of laws.
     pub state: StateRequest,
+    /// Items of a program's own, with tables of their own.
+    pub items: Vec<Arc<dyn OutputItem>>,
 }
 
 impl Default for OutputPlan {
@@ -365,6 +367,7 @@ impl Default for OutputPlan {
             envelope: None,
             snapshots: None,
             state: StateRequest::default(),
+            items: Vec::new(),
         }
     }
 }
@@ -459,6 +462,17 @@ impl OutputPlan {
     pub fn sample(mut self, name: &str, sampler: Arc<dyn HistorySampler>) -> Self {
         self.sampled.push(SampledRequest::new(name, sampler));
         self
+    }
+    /// Adds an item of a program's own, whose tables are among those of the run.
+    #[must_use]
+    pub fn item(mut self, item: Arc<dyn OutputItem>) -> Self {
+        self.items.push(item);
+        self
+    }
+    /// The items that come with the software, and those of a program.
+    pub(super) fn all_items(&self) -> impl Iterator<Item = &dyn OutputItem> {
+        let own = self.items.iter().map(|item| &**item);
+        ITEMS.into_iter().chain(own)
     }
     /// Adds states, openings, slips and tractions of some node pairs of a joint.
     #[must_use]

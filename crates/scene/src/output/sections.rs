@@ -1,18 +1,86 @@
-//! Warnings about sections whose forces are not those of the part that the user has in mind.
+//! Section forces, and warnings about those that are not of the part that the user has in mind.
 
 use powerhouse_model::{ElementKind, Mesh, Vec3};
-use powerhouse_observe::{CrossSection, SectionGeometry};
+use powerhouse_observe::{CrossSection, SectionForces, SectionGeometry};
 
-use super::SectionRequest;
+use super::{
+    OutputItem, OutputPrice, OutputScale, OutputSite, Recorder, RingRequest, SectionRequest,
+    TableForm, TablePeaks, TablePlots, capacity, coarse_in_bending, model,
+};
 use crate::surroundings::fill_body;
-use crate::{Remark, remark};
+use crate::{Error, Remark, Topic, remark};
+
+/// Section forces, with interaction diagrams and the tables of rings.
+#[derive(Debug)]
+pub(super) struct Sections;
+
+/// Name of the table.
+pub(super) const SECTIONS: &str = "sections";
+/// Columns of a section.
+const COLUMNS: f64 = 9.0;
+
+impl OutputItem for Sections {
+    fn record(&self, site: &OutputSite, into: &mut Recorder) -> Result<(), Error> {
+        let OutputSite { mesh, plan, .. } = *site;
+        if plan.cuts.is_empty() {
+            return Ok(());
+        }
+        let remarks = &mut into.remarks;
+        let mut forces = SectionForces::new(site.cadence()).map_err(model)?;
+        let mut capacities = Vec::new();
+        for request in &plan.cuts {
+            let is_there = |e: &u32| site.present.is_none_or(|present| present[*e as usize]);
+            let set = mesh.element_set(&request.set)?;
+            let set = request.elements.as_deref().unwrap_or(set).iter().copied();
+            let elements: Vec<u32> = set.filter(is_there).collect();
+            let geometry = forces
+                .add_section(mesh, &request.cut, &elements)
+                .map_err(model)?;
+            if let Some(bears) = capacity::of_section(request, geometry).map_err(model)? {
+                capacities.push((request.cut.name.clone(), bears));
+            }
+            remarks.extend(in_pieces(mesh, request, geometry));
+            if !is_of_slice(mesh, geometry) {
+                remarks.extend(hollow(request, geometry));
+            }
+            remarks.extend(through_end(request, geometry));
+            remarks.extend(through_tetrahedra(mesh, request, &elements));
+        }
+        remarks.extend(plan.rings.iter().filter_map(RingRequest::partial));
+        into.geometry = forces.geometries().cloned().collect();
+        for (request, geometry) in plan.cuts.iter().zip(&into.geometry) {
+            remarks.extend(coarse_in_bending(mesh, request, geometry, site.parts));
+        }
+        // Sections around a lining have one plot in common.
+        let rings = plan.rings.clone();
+        let around = rings.iter().flat_map(|ring| &ring.sections);
+        let plots = TablePlots::OfNames {
+            prefix: "",
+            except: around.map(|(_, name)| name.clone()).collect(),
+        };
+        let mut form = TableForm::new(SECTIONS, plots, TablePeaks::All);
+        form.topic = Some(Topic::Sections);
+        into.table(form, forces.recording(), |table| table);
+        into.observe(forces);
+        for (section, bears) in &capacities {
+            capacity::list(into, section.clone(), *bears);
+        }
+        for ring in &rings {
+            ring.list(into);
+        }
+        into.end(move |results| {
+            (results.section_capacities, results.section_rings) = (capacities, rings);
+        });
+        Ok(())
+    }
+    fn price(&self, scale: &OutputScale) -> OutputPrice {
+        let columns = COLUMNS * scale.plan.cuts.len() as f64;
+        scale.table(columns, scale.plan.every)
+    }
+}
 
 /// Warning about a section through pieces that do not touch, such as crown and invert of a lining.
-pub(super) fn in_pieces(
-    mesh: &Mesh,
-    request: &SectionRequest,
-    geometry: &SectionGeometry,
-) -> Option<Remark> {
+fn in_pieces(mesh: &Mesh, request: &SectionRequest, geometry: &SectionGeometry) -> Option<Remark> {
     (geometry.pieces.len() > 1).then(|| {
         Remark::from(remark::DividedSection {
             section: request.cut.name.clone(),
@@ -28,7 +96,7 @@ const FILLED: f64 = 0.5;
 
 /// Whether every element that a section cuts reaches from end to end of the body along the normal: the section of the whole tube
 /// in a slice, of which there is no other.
-pub(super) fn is_of_slice(mesh: &Mesh, geometry: &SectionGeometry) -> bool {
+fn is_of_slice(mesh: &Mesh, geometry: &SectionGeometry) -> bool {
     let elements = geometry.pieces.iter().flat_map(|piece| &piece.elements);
     fill_body(mesh, elements.copied(), &geometry.normal)
 }
@@ -51,7 +119,7 @@ pub(super) fn hollow(request: &SectionRequest, geometry: &SectionGeometry) -> Op
 }
 
 /// Warning about a section that cuts a face at which its elements end.
-pub(super) fn through_end(request: &SectionRequest, geometry: &SectionGeometry) -> Option<Remark> {
+fn through_end(request: &SectionRequest, geometry: &SectionGeometry) -> Option<Remark> {
     geometry.cuts_end.then(|| {
         Remark::from(remark::SectionThroughEnd {
             section: request.cut.name.clone(),
@@ -90,11 +158,7 @@ fn half_extent_of_nearest(
 }
 
 /// Warning about a section through linear tetrahedra.
-pub(super) fn through_tetrahedra(
-    mesh: &Mesh,
-    request: &SectionRequest,
-    elements: &[u32],
-) -> Option<Remark> {
+fn through_tetrahedra(mesh: &Mesh, request: &SectionRequest, elements: &[u32]) -> Option<Remark> {
     let CrossSection {
         point,
         normal,

@@ -43,8 +43,8 @@ impl Results {
         worst.extend(self.crack_energy());
         worst.extend(self.section_uses().iter().filter_map(capacity::beyond));
         worst.extend(sampling::warnings(
-            &self.histories,
-            &self.accelerations,
+            self.histories(),
+            self.accelerations(),
             self.envelope.as_ref(),
         ));
         worst
@@ -57,7 +57,7 @@ impl Results {
     /// Warning about energy that closing cracks give, or that the time integration of the laws errs by.
     fn crack_energy(&self) -> Option<Remark> {
         let most = |name| {
-            let values = self.energies.column(name)?.values.iter();
+            let values = self.energies().column(name)?.values.iter();
             Some(values.fold(0.0_f64, |most, value| {
                 if value.abs() > most.abs() {
                     *value

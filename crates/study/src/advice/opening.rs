@@ -262,7 +262,7 @@ impl Opening {
         let run = |mesh: Mesh, boundary: Boundary| {
             let scene = self.scene(mesh, boundary, &input)?;
             let results = scene.with_step(TimeStep::Seconds(step)).prepare()?;
-            Ok::<_, StudyError>(results.run(RunHooks::default())?.histories)
+            Ok::<_, StudyError>(results.run(RunHooks::default())?.histories().clone())
         };
         // The field enters both meshes at the same location: through the faces of the small one, and through the
         // elements behind them.

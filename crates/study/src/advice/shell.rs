@@ -101,7 +101,7 @@ impl Shell {
                 .scene(mesh, condition)?
                 .with_step(TimeStep::Seconds(step));
             let results = scene.prepare()?.run(RunHooks::default())?;
-            Ok::<_, StudyError>(results.histories)
+            Ok::<_, StudyError>(results.histories().clone())
         };
         let reference = run(wide, default)?;
         let of_kind = |kind: &BoundaryKind| {

@@ -307,9 +307,9 @@ fn tables(file: &WindowScene, length: f64, step: Option<f64>) -> Option<Tables> 
         simulation.set_step(TimeStep::Seconds(step));
     }
     let results = simulation.run(RunHooks::default()).ok()?;
-    let histories = columns(&results.histories);
+    let histories = columns(results.histories());
     let mut with_sections = histories.clone();
-    let sections = columns(&results.sections);
+    let sections = columns(results.sections());
     // Both are sampled at the same times, if there are both.
     match histories.len() {
         0 | 1 => with_sections = sections,

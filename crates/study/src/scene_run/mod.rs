@@ -286,7 +286,7 @@ impl<'a> SceneRun<'a> {
                 folder.clear()?;
                 checkpoints.clear()?;
             }
-            folder.begin(&title)?;
+            folder.begin(&simulation)?;
             hooks.snapshots = Some(folder.snapshots(&simulation)?);
             hooks.tables = Some(Box::new(folder.tables()));
             hooks.stages = watch.stages(Some(folder.stages(&simulation)?));

@@ -105,7 +105,7 @@ impl CaseOutcome {
         (relative, ground): (&[String], Vec<Peak>),
     ) -> Self {
         let run = &results.run;
-        let (relative, displacements) = displacement_peaks(&results.histories)
+        let (relative, displacements) = displacement_peaks(results.histories())
             .into_iter()
             .partition(|peak| relative.contains(&peak.name));
         let structure = mesh.element_set(STRUCTURE).ok();
@@ -135,7 +135,7 @@ impl CaseOutcome {
         let joints_of = |outcomes: Vec<&JointOutcome>| -> Vec<JointCase> {
             outcomes.into_iter().map(JointCase::of).collect()
         };
-        let (bolts, bolts_at_rest) = bolt_peaks(&results.bolt_histories);
+        let (bolts, bolts_at_rest) = bolt_peaks(results.bolt_histories());
         Self {
             name: name.into(),
             input,
@@ -145,7 +145,7 @@ impl CaseOutcome {
             end: run.time,
             wall_time: results.wall_time.as_secs_f64(),
             energy_residual: run.energy_residual,
-            stresses: stress_peaks(&results.histories),
+            stresses: stress_peaks(results.histories()),
             displacements,
             relative,
             ground,

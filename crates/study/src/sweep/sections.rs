@@ -49,7 +49,7 @@ impl Utilisation {
 /// Extremes of the sections of a run: of each ring, and of each section that is of none. Sections without forces per metre are
 /// left out.
 pub(super) fn of(results: &Results) -> Vec<SectionExtremes> {
-    let table = &results.sections;
+    let table = results.sections();
     let rings = results.section_rings.iter().map(|ring| {
         let sections = ring.sections.iter().map(|(_, name)| name.as_str());
         (ring.name.as_str(), sections.collect::<Vec<_>>())

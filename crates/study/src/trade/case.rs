@@ -288,7 +288,7 @@ impl TradeRunner<'_> {
                 steps,
                 memory: model.memory(steps),
             },
-            histories: columns(&results.histories),
+            histories: columns(results.histories()),
         })
     }
 

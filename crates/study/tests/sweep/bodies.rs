@@ -47,7 +47,7 @@ fn a_shared_body_moves_as_one_of_its_own() {
     let scene = scene.map(|scene| scene.with_duration(0.02));
     let results = scene.prepare().unwrap().run(RunHooks::default()).unwrap();
     let shared = read_table(&folder.0.join("out/slanted/histories.csv")).unwrap();
-    for column in &results.histories.columns {
+    for column in &results.histories().columns {
         let found = shared.iter().find(|other| other.name == column.name);
         assert_eq!(found.unwrap().values, column.values, "{}", column.name);
     }

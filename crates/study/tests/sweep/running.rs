@@ -149,11 +149,11 @@ time = { duration = 0.02, safety = 0.5 }
     let changed = run(own);
     std::fs::write(folder.scene(), written_out).unwrap();
     let twin = run(of("steep"));
-    assert_eq!(changed.histories, twin.histories);
+    assert_eq!(changed.histories(), twin.histories());
     assert_eq!(changed.bolts, twin.bolts);
     assert_ne!(
-        changed.histories,
-        run(scene.map(|scene| scene.with_duration(0.02))).histories
+        changed.histories(),
+        run(scene.map(|scene| scene.with_duration(0.02))).histories()
     );
 
     let refused = |change: &dyn Fn(&str) -> String| {
