@@ -102,7 +102,7 @@ fn a_bay_runs_and_says_what_its_times_are() {
         .iter()
         .find(|(name, _)| *name == "delay");
     assert!(delay.is_some());
-    let table = &results.histories;
+    let table = results.histories();
     let column = |name: &str| &table.column(name).unwrap().values;
     assert_eq!(column("front.ux"), column("back.ux"));
     let largest = column("front.uy")
