@@ -2,6 +2,7 @@
 
 mod builder;
 mod dynamics;
+mod embedded;
 mod fibres;
 mod motion;
 mod plan;

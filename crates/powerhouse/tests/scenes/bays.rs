@@ -130,7 +130,14 @@ fn what_a_bay_takes_and_what_it_does_not() {
         "[[joint]]\nname = \"skin\"\nbetween = [\"rock\", \"core\"]\nlaw = \"bonded-coulomb\"\ncohesion = 0\ntensile_strength = 0\nstatic_friction = 0.6\ndynamic_friction = 0.6\n[[wave]]",
         1,
     );
-    for text in [&slack, &damped, &jointed] {
+    let bolted = |toe: &str| {
+        let bolt = format!(
+            "[[bolt]]\nname = \"nail\"\nsection = 4e-2\nyoung = 210e9\nlines = [[[-40, 1, -60], {toe}]]\n[[stage]]\nname = \"ground\"\nbolts = [\"nail\"]\nsupport = [{{ kind = \"fixed\", set = \"bottom\" }}]\n[time]"
+        );
+        BAY.replacen("[time]", &bolt, 1)
+    };
+    let across = bolted("[-20, 1, -55]");
+    for text in [&slack, &damped, &jointed, &across] {
         let results = run(text);
         assert!(results.run.energy_residual < 0.01);
         assert!(results.run.time > 0.39);
@@ -145,6 +152,7 @@ fn what_a_bay_takes_and_what_it_does_not() {
             BAY.replacen("incidence = 15", "incidence = 20", 1),
             "must be below 0.95",
         ),
+        (bolted("[-40, 9, -60]"), "runs along y"),
         (
             BAY.replacen("title = ", "precision = \"mixed\"\ntitle = ", 1),
             "double precision",
