@@ -496,7 +496,7 @@ impl Scene {
         if !self.constraints.is_empty() {
             return Err(with("constraints", whole));
         }
-        if !self.periodic.is_empty() {
+        if !(self.periodic.is_empty() || self.is_bay()) {
             return Err(with(
                 "periodic pairs beside them",
                 "absorb at the sides across x",

@@ -24,7 +24,7 @@ impl Scene {
     ) -> Result<(Vec<NamedJoint>, Vec<NamedSurface>), Error> {
         let mut groups: Vec<Group> = Vec::new();
         let mut surfaces = Vec::with_capacity(self.joints.len());
-        let leads = PeriodicPairs::leads(&self.periodic);
+        let leads = PeriodicPairs::leads(self.periodic.iter().chain(&self.delayed));
         for (index, joint) in self.joints.iter().enumerate() {
             let law = self.law_of_joint(joint)?;
             let own = (closing(&joint.name), law);

@@ -64,16 +64,33 @@ impl Model {
         let power = groups.map(|(group, v)| bay.moment(group, internal).dot(v));
         let power: f64 = power.sum();
         let nodes = 0..self.mass.len();
-        let delays: Vec<Vec3> = nodes.map(|node| bay.delay(node, |g| velocity[g])).collect();
+        let delays: Vec<Vec3> = nodes
+            .clone()
+            .map(|node| bay.delay(node, |g| velocity[g]))
+            .collect();
+        // The forces are those at another velocity, and change with it nearly as linear ones do.
+        let predicted = &bay.motion.predicted;
+        let late = |g: usize| {
+            predicted
+                .get(g)
+                .map_or_else(Vec3::zeros, |v| velocity[g] - v)
+        };
+        let late: Vec<Vec3> = nodes.map(|node| bay.delay(node, late)).collect();
         let slowness = bay.slowness;
         let forces = arrays.forces.clone();
         let elastic = self.elastic_product(Operator::Elastic, &delays, &|_| 1.0);
+        let of_late = self.elastic_product(Operator::Elastic, &late, &|_| 1.0);
         if let Nodes::F64(arrays) = &mut self.nodes {
             arrays.forces = forces;
         }
+        let bay = self.bay.as_ref()?;
+        let groups = self.groups.groups.iter().zip(&velocity);
+        let late: f64 = groups
+            .map(|(group, v)| bay.moment(group, |node| of_late[node]).dot(v))
+            .sum();
         let of_delays: f64 = elastic.iter().zip(&delays).map(|(f, u)| f.dot(u)).sum();
         Some(BayEnergy {
-            flux: slowness * power + 0.5 * of_delays,
+            flux: slowness * (power + late) + 0.5 * of_delays,
             less,
             lent,
         })

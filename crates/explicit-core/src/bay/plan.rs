@@ -120,6 +120,10 @@ impl BayPlan {
                     whole += block.diagonal() * (offset[own[i]] * offset[own[j]]);
                 });
                 let of_element: f64 = own.iter().map(|node| mass[*node]).sum();
+                if whole == Vec3::zeros() {
+                    // An embedded element.
+                    return;
+                }
                 for &node in &own {
                     lost[node] += whole * (slowness * slowness * mass[node] / of_element);
                 }
@@ -148,10 +152,18 @@ impl BayPlan {
         let mut is_linear = true;
         let mut least_of = vec![LEAST_SHARE; subdomain.node_count()];
         for (index, block) in blocks.iter().enumerate() {
+            let nodes = subdomain.nodes_of(index);
+            if nodes
+                .iter()
+                .all(|node| self.lost[*node as usize] == Vec3::zeros())
+            {
+                // Embedded elements have no delay.
+                continue;
+            }
             let stiffness = block.stiffness();
             if !stiffness.is_some_and(|stiffness| stiffness.is_linear_elastic()) {
                 is_linear = false;
-                for &node in subdomain.nodes_of(index) {
+                for &node in nodes {
                     least_of[node as usize] = LEAST_SHARE_OF_LAWS;
                 }
             }

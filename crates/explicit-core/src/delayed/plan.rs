@@ -1,7 +1,7 @@
 //! Delayed pairs of a model: check, sides, fixed axes.
 
 use powerhouse_model::{
-    DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, Precision, Vec3,
+    DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, ModelSpec, PeriodicPairs, Precision, Vec3,
 };
 
 use super::linear::inertia_of;
@@ -70,9 +70,9 @@ pub(crate) fn check_delayed(
             "let the wave enter through absorbing faces",
         ),
         (
-            !spec.periodic.is_empty(),
+            !(spec.periodic.iter()).all(|pairs| is_bay && is_across(spec.mesh, pairs)),
             "other periodic pairs",
-            "absorb at the sides across x",
+            "absorb at the sides across x; a bay takes pairs of nodes at the same y",
         ),
         (
             (spec.boundaries.iter()).any(|parts| !parts.blocks.is_empty()),
@@ -95,6 +95,19 @@ pub(crate) fn check_delayed(
         }
     }
     Ok(())
+}
+
+/// Whether all pairs have their two nodes at the same y.
+fn is_across(mesh: &Mesh, pairs: &PeriodicPairs) -> bool {
+    let nodes = mesh.positions();
+    let (low, high) = mesh.bounding_box();
+    pairs.pairs.iter().all(|&(a, b)| {
+        let at = [a, b].map(|node| nodes.get(node as usize).map(|at| at.y));
+        let [Some(a), Some(b)] = at else {
+            return true;
+        };
+        (a - b).abs() <= TOLERANCE * (high.y - low.y)
+    })
 }
 
 /// The pairs of a slice, each with its node of the smaller y first.

@@ -3,6 +3,7 @@
 mod bits;
 mod free;
 mod free_field;
+mod joint;
 mod laws;
 mod rows;
 

