@@ -463,7 +463,7 @@ impl Scene {
         for part in &self.parts {
             let set = &part.set;
             if matches!(part.damping, Damping::Flat { .. }) && !self.is_bay() {
-                let way = "give the part, and a layer of it, Rayleigh damping proportional to mass, or none, and no `strain_curves`";
+                let way = "give the part, and a layer of it, Rayleigh damping proportional to mass, or none, and no `strain_curves`; or give the mesh two layers of elements along y, a bay, which takes flat damping";
                 return Err(with(format!("the flat damping of part '{set}'"), way));
             }
             if part.damping.rayleigh().stiffness != 0.0 || part.high != 0.0 {
@@ -482,10 +482,12 @@ impl Scene {
     fn check_company_of_slice(&self) -> Result<(), DelayedError> {
         let whole = "take a body with its whole length along y";
         if let Some(joint) = self.joints.first().filter(|_| !self.is_bay()) {
-            return Err(with(format!("joint '{}'", joint.name), whole));
+            let way = "give the mesh two layers of elements along y, a bay, which takes joints, or take a body with its whole length along y";
+            return Err(with(format!("joint '{}'", joint.name), way));
         }
         if !(self.bolts.is_empty() || self.is_bay()) {
-            return Err(with("bolts", whole));
+            let way = "give the mesh two layers of elements along y, a bay, which takes bolts across y, or take a body with its whole length along y";
+            return Err(with("bolts", way));
         }
         if !self.prescribed.is_empty() {
             return Err(with(
