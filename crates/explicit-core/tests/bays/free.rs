@@ -96,7 +96,7 @@ fn a_free_bay_keeps_its_energy() {
         let options = RunOptions::steps(1000).with_energy(EnergyCheck::every(10));
         let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
         let residual = report.energy_residual;
-        assert!(residual < 1e-9, "{ratio}: {residual:e}");
+        assert!(residual < 1e-7, "{ratio}: {residual:e}");
         let delay = report.energies.iter().find(|(name, _)| *name == "delay");
         assert!(delay.is_some_and(|(_, energy)| *energy < 0.0), "{delay:?}");
     }
