@@ -214,7 +214,7 @@ impl BayPlan {
         (subdomain, blocks): (&Subdomain, &[Box<dyn ElementBlock>]),
     ) -> Skew {
         let mut elements = Vec::new();
-        let each = |visit: &mut dyn FnMut(Vec<u32>, &[u32], &[f64])| {
+        let each = |visit: &mut VisitElement| {
             for (index, block) in blocks.iter().enumerate() {
                 let nodes = subdomain.nodes_of(index);
                 block.each_matrix(Operator::Elastic, &mut |local, matrix| {
@@ -241,6 +241,9 @@ impl BayPlan {
         skew
     }
 }
+
+/// What is done with an element: from the groups of its nodes, the nodes and its matrix.
+type VisitElement<'v> = dyn FnMut(Vec<u32>, &[u32], &[f64]) + 'v;
 
 /// Calls a function with the block of a matrix, three rows and columns per node, of each pair of nodes.
 fn for_pairs(matrix: &[f64], nodes: usize, mut visit: impl FnMut(usize, usize, Mat3)) {

@@ -46,13 +46,11 @@ impl Bay {
                 *next += response(g, excess) * step;
             }
         }
-        let b: Vec<Vec3> = (motion.previous.iter().zip(&motion.next))
+        let mut b: Vec<Vec3> = (motion.previous.iter().zip(&motion.next))
             .map(|(before, after)| before + after)
             .collect();
-        let count = constrained;
-        let (mut b, mut changed) = (b, vec![Vec3::zeros(); 0]);
-        if self.motion.free.len() == count && count > 0 {
-            changed.resize(all.len(), Vec3::zeros());
+        if self.motion.free.len() == constrained && constrained > 0 {
+            let mut changed = vec![Vec3::zeros(); all.len()];
             for ((changed, free), now) in
                 (changed.iter_mut().zip(&self.motion.free)).zip(&motion.previous)
             {
@@ -85,7 +83,7 @@ impl Bay {
         self.motion.turned.swap(0, 1);
         self.motion.turned[0] = turned;
         self.motion.before.clone_from(&motion.previous);
-        self.motion.free = motion.next[..count].to_vec();
+        self.motion.free = motion.next[..constrained].to_vec();
         true
     }
 }

@@ -290,7 +290,8 @@ fn a_core_that_slips_moves_as_those_of_a_row() {
     assert!(error < 0.15 * effect && effect > 0.2, "{error} {effect}");
 }
 
-/// With flat damping, of the rock too, a bay moves as a row does no worse than without: at most 1.5 times the error.
+/// With flat damping, of the rock too, a bay moves as a row does. The ends of a row, at which the motion is not damped, are nearer the shorter it is: against
+/// one of 32 bays the error is smaller than against one of 16.
 #[test]
 fn a_damped_bay_moves_as_a_damped_row() {
     let wave = (WaveKind::SV, [10.0, 90.0]);
@@ -299,12 +300,11 @@ fn a_damped_bay_moves_as_a_damped_row() {
         damped: true,
         ..plain
     };
-    let [of_plain, _] = error(wave, plain, Core::welded(rock()), 16);
-    let [of_damped, effect] = error(wave, damped, plain, 16);
-    println!("damped {of_damped:.4}, not damped {of_plain:.4}, effect {effect:.3}");
+    let [short, long] = [16, 32].map(|bays| error(wave, damped, plain, bays));
+    println!("damped {short:?} {long:?}");
     assert!(
-        effect > 0.1 && of_damped < 1.5 * of_plain,
-        "{of_damped} {of_plain} {effect}"
+        long[1] > 0.1 && long[0] < 0.025 && long[0] < short[0],
+        "{short:?} {long:?}"
     );
 }
 
