@@ -308,10 +308,10 @@ fn a_damped_bay_moves_as_a_damped_row() {
     );
 }
 
-/// Bays with soft and with stiff cores move as the middle of rows of 40, for P and SV waves at several azimuths. Some minutes:
+/// Bays with soft and with stiff cores move as the middle of rows of 40, for P and SV waves at several azimuths. A minute:
 /// `cargo test --release -p powerhouse-explicit-core --test explicit-core -- --ignored bays --nocapture`.
 #[test]
-#[ignore = "some minutes"]
+#[ignore = "a minute"]
 fn bays_move_as_long_rows_of_bays() {
     let slipping = Core {
         medium: concrete(),
