@@ -225,20 +225,19 @@ impl BayPlan {
             }
         };
         each(&mut |groups, _, _| elements.push(groups));
-        let mut skew = Skew::between(groups.len(), &elements);
-        drop(elements);
-        each(&mut |groups, nodes, matrix| {
-            for_pairs(matrix, nodes.len(), |i, j, block| {
-                let [a, b] = [i, j].map(|k| self.offset[nodes[k] as usize]);
-                skew.add((groups[i], groups[j]), &(block * (self.slowness * (a - b))));
+        Skew::new(groups.len(), &elements, |add| {
+            each(&mut |groups, nodes, matrix| {
+                for_pairs(matrix, nodes.len(), |i, j, block| {
+                    let [a, b] = [i, j].map(|k| self.offset[nodes[k] as usize]);
+                    add([groups[i], groups[j]], &(block * (self.slowness * (a - b))));
+                });
             });
-        });
-        for (index, group) in (0..).zip(groups) {
-            if group.gyroscopic != Mat3::zeros() {
-                skew.add((index, index), &group.gyroscopic);
+            for (index, group) in (0..).zip(groups) {
+                if group.gyroscopic != Mat3::zeros() {
+                    add([index, index], &group.gyroscopic);
+                }
             }
-        }
-        skew
+        })
     }
 }
 
