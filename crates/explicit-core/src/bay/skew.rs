@@ -5,6 +5,8 @@
 //! `x = v- + v+` obeys `x + dt/2 P D x = v- + v`: identity and a matrix that is skew in the product `x.A y`. The method of conjugate
 //! gradients for such systems (Concus & Golub 1976; Widlund 1978) needs one product in an iteration and converges for any step.
 
+use core::cmp::Ordering;
+
 use powerhouse_model::{Mat3, Vec3};
 use rayon::prelude::*;
 
@@ -56,10 +58,23 @@ impl Skew {
                 sums[own.start + place] += matrix;
             }
         });
-        let rounded = sums
-            .iter()
-            .map(|sum| core::array::from_fn(|i| sum[(i / 3, i % 3)] as f32));
-        skew.entries = rounded.collect();
+        skew.entries.reserve(sums.len());
+        for row in 0..groups {
+            for place in skew.entries_of(row) {
+                // The entries below the diagonal are those above it, so that rounding keeps the matrix skew.
+                let column = skew.others[place] as usize;
+                let own = skew.entries_of(column);
+                let of_row = skew.others[own.clone()].binary_search(&(row as u32));
+                let other = of_row.map_or(sums[place], |index| sums[own.start + index]);
+                let (matrix, sign) = match row.cmp(&column) {
+                    Ordering::Less => (sums[place], 1.0),
+                    Ordering::Equal => ((sums[place] - sums[place].transpose()) * 0.5, 1.0),
+                    Ordering::Greater => (other.transpose(), -1.0),
+                };
+                let entry = |i: usize| sign * matrix[(i / 3, i % 3)] as f32;
+                skew.entries.push(core::array::from_fn(entry));
+            }
+        }
         skew
     }
 
