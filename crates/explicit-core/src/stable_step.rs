@@ -207,6 +207,9 @@ impl Model {
     /// By what the delay of a slice or bay raises the frequency of an element at most, `1 / sqrt(1 - s^2 c^2)` with the highest
     /// speed `c` of any part; 1 for other bodies.
     fn delayed_bound(&self) -> f64 {
+        if !self.is_delayed() {
+            return 1.0;
+        }
         let groups = self.groups.groups.iter().enumerate();
         let left = groups.filter(|(_, group)| group.mass > 0.0);
         let left = left.map(|(g, group)| match (&self.delayed, &self.bay) {

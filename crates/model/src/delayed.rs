@@ -1,5 +1,7 @@
 //! Delayed pairs of nodes: the two sides of a slice, or the two ends of a bay, under waves of any azimuth.
 
+use crate::{Mesh, Vec3};
+
 /// Delayed pairs: nodes of the two sides of a slice along y, of which the side of larger y moves as the other one does, but later.
 ///
 /// A body that does not change along y under a wave `u_f(x, z, t - s y)` moves by `u = U(x, z, t - s y)`, whatever its
@@ -21,6 +23,26 @@ pub struct DelayedPairs {
     pub slowness: f64,
     /// Elements in which P waves are faster than the motion along y, or nearly so; empty by default.
     pub stiff: Vec<StiffElements>,
+}
+
+impl DelayedPairs {
+    /// Whether pairs of a mesh are the ends of a bay of an endless row: some nodes are in none of them, and some lie between the ends of the
+    /// mesh along y. Others make a slice.
+    pub fn make_bay(mesh: &Mesh, pairs: &[(u32, u32)]) -> bool {
+        let (low, high) = mesh.bounding_box();
+        let end = Self::AT_END * (high.y - low.y);
+        let mut is_paired = vec![false; mesh.node_count()];
+        for node in pairs.iter().flat_map(|&(a, b)| [a, b]) {
+            if let Some(is_paired) = is_paired.get_mut(node as usize) {
+                *is_paired = true;
+            }
+        }
+        let is_between = |node: &Vec3| node.y > low.y + end && node.y < high.y - end;
+        is_paired.contains(&false) && mesh.positions().iter().any(is_between)
+    }
+
+    /// Distance from an end of a bay, over its length, within which a node is at it.
+    pub const AT_END: f64 = 1e-6;
 }
 
 /// Elements of a slice in which P waves are faster than the motion along y, or nearly so.

@@ -2,7 +2,7 @@
 //! azimuth.
 
 use powerhouse_elements::BoltLine;
-use powerhouse_model::{IncidentField, PeriodicPairs, StiffElements, Vec3};
+use powerhouse_model::{DelayedPairs, IncidentField, PeriodicPairs, StiffElements, Vec3};
 use powerhouse_wavefield::{Angle, LayeredWave, PlaneWave, WaveKind};
 use thiserror::Error;
 
@@ -19,8 +19,6 @@ const MOST_IN_BAY: f64 = 0.95;
 const MOST_OF_LAWS: f64 = 0.7;
 /// Component along y of the direction of a bolt up to which it is across y.
 const ALONG: f64 = 0.02;
-/// Distance from an end of a bay, over its length, within which a node is at it.
-const AT_END: f64 = 1e-6;
 /// The same product of a structure above which it is stiff: a part of its inertia along the axis is moved to the ground around it.
 const STIFF: f64 = 0.95;
 /// Largest share of its density that a stiff part gives to the motion along y; the rest is moved.
@@ -270,13 +268,8 @@ impl Scene {
 
     /// Whether the delayed sides are those of a bay of an endless row: there are nodes between them.
     pub fn is_bay(&self) -> bool {
-        if self.delayed.is_none() {
-            return false;
-        }
-        let (low, high) = self.mesh.bounding_box();
-        let end = AT_END * (high.y - low.y);
-        let mut nodes = self.mesh.positions().iter();
-        nodes.any(|node| node.y > low.y + end && node.y < high.y - end)
+        let delayed = self.delayed.as_ref();
+        delayed.is_some_and(|sides| DelayedPairs::make_bay(&self.mesh, &sides.pairs))
     }
 
     /// Refuses bolts that run along y in a bay: their strain would need the delay of their ends.
@@ -430,8 +423,9 @@ impl Scene {
     fn check_speeds_of_slice(&self) -> Result<(), Error> {
         let slowness = self.slowness_along_y().abs();
         let ground = self.parts_behind_boundary()?;
+        let is_bay = self.is_bay();
         for (index, part) in self.parts.iter().enumerate() {
-            let most = most_ratio(part, ground.contains(&index), self.is_bay());
+            let most = most_ratio(part, ground.contains(&index), is_bay);
             let speed = part.material.medium().p_speed();
             let ratio = slowness * speed;
             if ratio <= most {
@@ -460,9 +454,10 @@ impl Scene {
 
     /// Refuses damping and water of parts.
     fn check_parts_of_slice(&self) -> Result<(), DelayedError> {
+        let is_bay = self.is_bay();
         for part in &self.parts {
             let set = &part.set;
-            if matches!(part.damping, Damping::Flat { .. }) && !self.is_bay() {
+            if matches!(part.damping, Damping::Flat { .. }) && !is_bay {
                 let way = "give the part, and a layer of it, Rayleigh damping proportional to mass, or none, and no `strain_curves`; or give the mesh two layers of elements along y, a bay, which takes flat damping";
                 return Err(with(format!("the flat damping of part '{set}'"), way));
             }

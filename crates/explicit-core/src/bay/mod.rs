@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use copies::{Carriers, Copies};
 pub(crate) use ledger::BayEnergy;
-pub(crate) use plan::{BayPlan, bay_of};
+pub(crate) use plan::{BayPlan, check_bay};
 use skew::Skew;
 
 /// Motion of a bay that goes beyond displacements and velocities, by group.

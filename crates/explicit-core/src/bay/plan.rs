@@ -1,50 +1,33 @@
 //! Bays of a model: check of their pairs, matrices, inertia.
 
-use powerhouse_model::{
-    DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, Operator, PeriodicPairs, Vec3,
-};
+use powerhouse_model::{DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, Operator, Vec3};
 
 use super::skew::Skew;
 use super::{Bay, BayMotion, Copies};
+use crate::delayed::pairs_of_nodes;
 use crate::node_group::NodeGroup;
 use crate::subdomain::{Numbering, Subdomain};
 
-/// Distance from the ends of a bay, over its length, within which a node is at an end.
-const AT_END: f64 = 1e-6;
 /// Least share of the mass of a node that the slowness may leave, and that of a node of elements that are not linear: forces that are
 /// extrapolated from the step before act with `s^2 A` on what is left, and would grow where it is the smaller part.
 const LEAST_SHARE: f64 = 0.05;
 const LEAST_SHARE_OF_LAWS: f64 = 0.5;
 
-/// The pairs of delayed sides if they make a bay: some nodes are in no pair. None for a slice, all of whose nodes are.
+/// Refuses pairs that are not those of the two ends of a bay.
 ///
 /// # Errors
 /// [`EngineError::DelayedNode`] for a node in several pairs, or at an end of the bay in none; [`EngineError::DelayedPair`] for a pair that is not
 /// along y, or of another distance than others; [`EngineError::DelayedWith`] for stiff elements.
-pub(crate) fn bay_of(
-    mesh: &Mesh,
-    delayed: &DelayedPairs,
-) -> Result<Option<PeriodicPairs>, EngineError> {
+pub(crate) fn check_bay(mesh: &Mesh, delayed: &DelayedPairs) -> Result<(), EngineError> {
     let (nodes, tags) = (mesh.positions(), mesh.node_tags());
-    let mut count = vec![0_usize; nodes.len()];
-    for node in delayed.pairs.iter().flat_map(|&(a, b)| [a, b]) {
-        *(count.get_mut(node as usize)).ok_or_else(|| EngineError::UnknownNode {
-            part: "a delayed pair".into(),
-            node,
-            count: nodes.len(),
-        })? += 1;
-    }
-    let extruded = mesh.element_count() > 0 && is_one_layer(mesh, &count);
-    if extruded {
-        return Ok(None);
-    }
+    let count = pairs_of_nodes(mesh, delayed)?;
     let (low, high) = mesh.bounding_box();
     let length = high.y - low.y;
     for &(a, b) in &delayed.pairs {
         let [at_a, at_b] = [a, b].map(|node| nodes[node as usize]);
         let apart = at_b - at_a;
         let apart = apart * apart.y.signum();
-        if (apart - Vec3::new(0.0, length, 0.0)).norm() > AT_END * length {
+        if (apart - Vec3::new(0.0, length, 0.0)).norm() > DelayedPairs::AT_END * length {
             return Err(EngineError::DelayedPair {
                 first: tags[a as usize],
                 second: tags[b as usize],
@@ -53,7 +36,7 @@ pub(crate) fn bay_of(
         }
     }
     for (node, position) in nodes.iter().enumerate() {
-        let at_end = (position.y - low.y).min(high.y - position.y) <= AT_END * length;
+        let at_end = (position.y - low.y).min(high.y - position.y) <= DelayedPairs::AT_END * length;
         if count[node] != usize::from(at_end) {
             return Err(EngineError::DelayedNode {
                 node: tags[node],
@@ -67,19 +50,7 @@ pub(crate) fn bay_of(
             way: "take a smaller incidence, or an azimuth nearer to x",
         });
     }
-    Ok(Some(PeriodicPairs {
-        pairs: delayed.pairs.clone(),
-    }))
-}
-
-/// Whether the mesh has one layer of elements between pairs: half of the nodes of each element would be those of one side.
-fn is_one_layer(mesh: &Mesh, count: &[usize]) -> bool {
-    let (low, high) = mesh.bounding_box();
-    let middle = 0.5 * (low.y + high.y);
-    let thick = high.y - low.y;
-    let (positions, tolerance) = (mesh.positions(), AT_END * thick);
-    let between = |node: &Vec3| (node.y - middle).abs() < 0.5 * thick - tolerance;
-    count.iter().all(|count| *count > 0) || !positions.iter().any(between)
+    Ok(())
 }
 
 /// What a bay has before its groups are known.

@@ -97,6 +97,22 @@ pub(crate) fn check_delayed(
     Ok(())
 }
 
+/// Number of the pairs that each node is in.
+pub(crate) fn pairs_of_nodes(
+    mesh: &Mesh,
+    delayed: &DelayedPairs,
+) -> Result<Vec<usize>, EngineError> {
+    let mut count = vec![0; mesh.node_count()];
+    for node in delayed.pairs.iter().flat_map(|&(a, b)| [a, b]) {
+        *(count.get_mut(node as usize)).ok_or_else(|| EngineError::UnknownNode {
+            part: "a delayed pair".into(),
+            node,
+            count: mesh.node_count(),
+        })? += 1;
+    }
+    Ok(count)
+}
+
 /// Whether all pairs have their two nodes at the same y.
 fn is_across(mesh: &Mesh, pairs: &PeriodicPairs) -> bool {
     let nodes = mesh.positions();
@@ -113,17 +129,10 @@ fn is_across(mesh: &Mesh, pairs: &PeriodicPairs) -> bool {
 /// The pairs of a slice, each with its node of the smaller y first.
 pub(crate) fn pair_up(mesh: &Mesh, delayed: &DelayedPairs) -> Result<DelayedPairs, EngineError> {
     let (nodes, tags) = (mesh.positions(), mesh.node_tags());
-    let mut count = vec![0_usize; nodes.len()];
+    let count = pairs_of_nodes(mesh, delayed)?;
     let mut expected: Option<Vec3> = None;
     let mut pairs = Vec::with_capacity(delayed.pairs.len());
     for &(a, b) in &delayed.pairs {
-        for node in [a, b] {
-            *(count.get_mut(node as usize)).ok_or_else(|| EngineError::UnknownNode {
-                part: "a delayed pair".into(),
-                node,
-                count: nodes.len(),
-            })? += 1;
-        }
         let [at_a, at_b] = [a, b].map(|node| nodes[node as usize]);
         let (low, high) = if at_a.y <= at_b.y { (a, b) } else { (b, a) };
         let apart = nodes[high as usize] - nodes[low as usize];

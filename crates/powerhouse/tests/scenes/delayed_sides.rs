@@ -175,6 +175,14 @@ fn layered_ground_moves_as_its_field() {
     }
 }
 
+/// A slice whose sides are not plane is a slice: all of its nodes are on them, between the ends of the mesh along y or not.
+#[test]
+fn sides_that_are_not_plane_make_no_bay() {
+    let oblique = mesh().map_positions(|x| Vec3::new(x.x, x.y + 0.1 * x.x, x.z));
+    let scene = scene_on(&oblique.unwrap(), GROUND).unwrap().into_scene();
+    assert!(!scene.is_bay());
+}
+
 /// P and SV waves of one slowness along y are accepted; waves along x need no delay.
 #[test]
 fn waves_of_one_slowness_add_up() {
