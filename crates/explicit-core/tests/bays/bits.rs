@@ -1,30 +1,22 @@
 //! Bits of bays, and what they refuse: threads, resumed runs, equilibrium under weight.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
+use powerhouse_explicit_core::{BuildModel, Leapfrog, run};
 use powerhouse_model::{
-    CheckpointSink, DelayedPairs, EnergyCheck, EngineError, Mesh, ModelError, PeriodicPairs,
-    Progress, RunOptions, SavedRun, StaticOptions, StepChoice, Support, TimeIntegrator, Vec3,
+    DelayedPairs, EnergyCheck, EngineError, Mesh, ModelError, PeriodicPairs, RunOptions,
+    StaticOptions, StepChoice, Support, TimeIntegrator, Vec3,
 };
 
 use super::laws::{Core, model, spec};
 use super::{pairs, rock};
+use crate::support::{KeepAfter, bits_of_motion};
 
 const ANGLES: [f64; 2] = [25.0, 45.0];
 
 fn small() -> Mesh {
     let (low, high) = (Vec3::new(-30.0, -7.5, -50.0), Vec3::new(30.0, 7.5, 0.0));
     Mesh::box_of_hexes(low, high, [12, 3, 10], "rock").unwrap()
-}
-
-fn motion(model: &Model) -> Vec<[u64; 6]> {
-    let nodes = 0..model.mesh().node_count() as u32;
-    let of = |node: u32| {
-        let (u, v) = (model.displacement(node), model.velocity(node));
-        [u.x, u.y, u.z, v.x, v.y, v.z].map(f64::to_bits)
-    };
-    nodes.map(of).collect()
 }
 
 /// Results do not depend on the number of threads.
@@ -37,23 +29,9 @@ fn threads_change_no_bit_of_a_bay() {
             let mut model = spec.build().unwrap();
             let options = RunOptions::steps(200).with_energy(EnergyCheck::every(20));
             let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
-            (motion(&model), report.energies)
+            (bits_of_motion(&model), report.energies)
         };
         assert!(of(1) == of(3));
-    }
-}
-
-/// Keeps the state of a run after some steps.
-#[derive(Debug)]
-struct At(u64, Mutex<Option<SavedRun>>);
-
-impl CheckpointSink for At {
-    fn is_due(&self, progress: &Progress) -> bool {
-        progress.done == self.0
-    }
-    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
-        *self.1.lock().unwrap() = Some(saved);
-        Ok(())
     }
 }
 
@@ -66,17 +44,17 @@ fn a_resumed_bay_has_the_same_bits() {
             let options = RunOptions::steps(420).with_energy(EnergyCheck::every(10));
             options.with_step(StepChoice::Fixed(7e-4))
         };
-        let sink = Arc::new(At(333, Mutex::default()));
+        let sink = KeepAfter::new(333);
         let mut whole = model(&mesh, ANGLES, core);
         let kept = options().with_checkpoints(sink.clone());
         let first = run(&mut whole, &Leapfrog, &kept, &mut [], &mut |_| {}).unwrap();
-        let saved = sink.1.lock().unwrap().take().unwrap();
+        let saved = sink.saved();
         let mut rest = model(&mesh, ANGLES, core);
         let resumed = options().with_resume(Arc::new(saved));
         let second = run(&mut rest, &Leapfrog, &resumed, &mut [], &mut |_| {}).unwrap();
         let plastic = first.energies.iter().find(|(name, _)| *name == "plastic");
         assert_eq!(plastic.unwrap().1 > 0.0, core == Core::Yielding);
-        assert!(motion(&whole) == motion(&rest), "{core:?}");
+        assert!(bits_of_motion(&whole) == bits_of_motion(&rest), "{core:?}");
         assert_eq!(first.energies, second.energies);
     }
 }

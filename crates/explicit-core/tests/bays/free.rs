@@ -1,28 +1,11 @@
 //! Stable step and energy of bays in free motion.
 
 use powerhouse_elements::SolidKernel;
-use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
-use powerhouse_material_damage::LinearElastic;
-use powerhouse_model::{
-    BlockOptions, DelayedPairs, EnergyCheck, Mesh, RunOptions, TimeIntegrator, Vec3,
-};
+use powerhouse_explicit_core::{Leapfrog, Model, run};
+use powerhouse_model::{EnergyCheck, RunOptions, Vec3};
 
-use super::{bent, noise, pairs, rock};
-
-/// A free bay at a ratio of its slowness to that of P waves.
-fn free(mesh: &Mesh, kernel: SolidKernel, ratio: f64) -> Model {
-    let law = LinearElastic::new(rock());
-    Model::builder(mesh)
-        .elements("rock", kernel.factory("rock", law, BlockOptions::default()))
-        .delayed(DelayedPairs {
-            pairs: pairs(mesh),
-            slowness: ratio / rock().p_speed(),
-            ..DelayedPairs::default()
-        })
-        .threads(1)
-        .build()
-        .unwrap()
-}
+use super::{bent, pairs};
+use crate::slices::{free, growth, noise};
 
 /// Gives all nodes a random velocity (m/s).
 fn shake(model: &mut Model, seed: u64) {
@@ -34,29 +17,6 @@ fn shake(model: &mut Model, seed: u64) {
     }
     let still = vec![Vec3::zeros(); velocity.len()];
     model.set_initial(&still, &velocity).unwrap();
-}
-
-/// Growth of the motion over a number of steps of a length (s).
-fn growth(model: &mut Model, step: f64, steps: usize) -> f64 {
-    let largest = |model: &Model| {
-        let nodes = 0..model.mesh().node_count() as u32;
-        nodes
-            .map(|node| model.velocity(node).amax())
-            .fold(0.0, f64::max)
-    };
-    let mut start: f64 = 0.0;
-    for count in 0..steps {
-        if Leapfrog.step(model, step).is_err() {
-            return f64::INFINITY;
-        }
-        if count < 50 {
-            start = start.max(largest(model));
-        }
-        if !largest(model).is_finite() || largest(model) > 1e6 * start {
-            return f64::INFINITY;
-        }
-    }
-    largest(model) / start
 }
 
 /// Nothing grows in 3000 steps at the step that is reported, and motion grows without bound 7 % above it.

@@ -3,17 +3,15 @@
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::{AnyLaw, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
-use powerhouse_material_damage::{
-    ElastoPlastic, LinearElastic, Mazars, MazarsParameters, MazarsTension, MohrCoulomb,
-    MohrCoulombParameters,
-};
+use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
     AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, EnergyCheck, Mesh, ModelSpec,
     RunOptions, StepChoice, TimeIntegrator, Vec3,
 };
 use powerhouse_wavefield::WaveKind;
 
-use super::{pairs, rock, slowness, wave};
+use super::{brittle, pairs, rock, slowness, wave, yielding};
+use crate::support::apart;
 
 /// What the core is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,31 +25,8 @@ impl Core {
     fn law(self) -> AnyLaw {
         match self {
             Self::Rock => LinearElastic::new(rock()).into(),
-            Self::Yielding => {
-                let surface = MohrCoulomb::new(MohrCoulombParameters {
-                    medium: rock(),
-                    friction: 0.3,
-                    dilation: 0.1,
-                    cohesion: 6e4,
-                    tension_strength: None,
-                });
-                ElastoPlastic::new(surface.unwrap()).into()
-            }
-            Self::Brittle => {
-                let threshold = 1.5e-5;
-                let law = Mazars::new(MazarsParameters {
-                    medium: rock(),
-                    threshold,
-                    tension: MazarsTension::Rates {
-                        share: 1.0,
-                        rate: 1.5 / threshold,
-                    },
-                    compression_share: 1.0,
-                    compression_rate: 1.5 / threshold,
-                    residual_stiffness: 1e-3,
-                });
-                law.unwrap().into()
-            }
+            Self::Yielding => yielding(),
+            Self::Brittle => brittle(1.5e-5),
         }
     }
 }
@@ -120,12 +95,6 @@ fn residual(angles: [f64; 2], core: Core, steps: u64) -> f64 {
     let mut model = model(&mesh, angles, core);
     let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
     report.energy_residual
-}
-
-fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let missed: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
-    (missed / b.iter().map(|b| b.norm_squared()).sum::<f64>()).sqrt()
 }
 
 /// What a core changes of the motion of a slice, and what a bay with the same core all along y errs by against it, with a number of steps and

@@ -9,15 +9,8 @@ mod rows;
 
 use powerhouse_model::{Mesh, Vec3};
 
-pub(super) use super::slices::{pairs, rock, slowness, wave};
-
-/// A reproducible number in [-1, 1).
-pub(super) fn noise(seed: u64) -> f64 {
-    let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-}
+use super::slices::noise;
+pub(super) use super::slices::{brittle, pairs, rock, slowness, wave, yielding};
 
 /// A box of elements around (0, 0, z) with its inner nodes moved by a share of the edges.
 pub(super) fn bent(high: Vec3, counts: [usize; 3], share: f64, seed: u64) -> Mesh {

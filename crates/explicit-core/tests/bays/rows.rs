@@ -18,6 +18,7 @@ use powerhouse_model::{
 use powerhouse_wavefield::WaveKind;
 
 use super::{pairs, rock, slowness, wave};
+use crate::support::apart;
 
 /// Half widths of the section, depth, and size of elements (m).
 const HALF: f64 = 60.0;
@@ -191,13 +192,6 @@ fn times() -> Vec<f64> {
     (0..90).map(|k| 0.1 + 0.005 * f64::from(k)).collect()
 }
 
-/// Difference of two motions, over the norm of the second.
-fn apart(a: &[Vec<Vec3>], b: &[Vec<Vec3>]) -> f64 {
-    let both = a.iter().flatten().zip(b.iter().flatten());
-    let missed: f64 = both.map(|(a, b)| (a - b).norm_squared()).sum();
-    (missed / b.iter().flatten().map(|b| b.norm_squared()).sum::<f64>()).sqrt()
-}
-
 /// Error of a bay against a row of a number of bays with a core, as a share of the norm of the motion of all nodes around the core at the
 /// middle of the row, and what another core would change of it.
 fn error(wave: (WaveKind, [f64; 2]), core: Core, other: Core, bays: u32) -> [f64; 2] {
@@ -224,6 +218,7 @@ fn error(wave: (WaveKind, [f64; 2]), core: Core, other: Core, bays: u32) -> [f64
         own.iter().enumerate().map(of_node).collect()
     };
     let exact: Vec<Vec<Vec3>> = times().iter().map(of_time).collect();
+    let [found, plain, exact] = [found, plain, exact].map(|motion| motion.concat());
     [apart(&found, &exact), apart(&plain, &found)]
 }
 
@@ -269,7 +264,7 @@ fn a_bonded_core_moves_as_a_welded_one() {
     let differences = [SHARE, 0.5 * SHARE].map(|share| {
         let (.., bonded) = of_bay(wave, bonded, share, &times());
         let (.., welded) = of_bay(wave, Core::welded(concrete()), share, &times());
-        apart(&bonded, &welded)
+        apart(&bonded.concat(), &welded.concat())
     });
     println!("bonded {differences:?}");
     let [whole, half] = differences;

@@ -1,33 +1,24 @@
 //! Bits of slices: slowness zero, threads, resumed runs.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
-    BlockOptions, CheckpointSink, DelayedPairs, EnergyCheck, Mesh, ModelError, ModelSpec,
-    PeriodicPairs, Progress, RunOptions, SavedRun, StaticOptions, StepChoice, Support,
-    TimeIntegrator, Vec3,
+    BlockOptions, DelayedPairs, EnergyCheck, Mesh, ModelSpec, PeriodicPairs, RunOptions,
+    StaticOptions, StepChoice, Support, TimeIntegrator, Vec3,
 };
 use powerhouse_wavefield::WaveKind;
 
 use super::{pairs, rock, slowness, spec, wave};
+use crate::support::{KeepAfter, bits_of_motion};
 
 const ANGLES: [f64; 2] = [25.0, 50.0];
 
 fn small() -> Mesh {
     let (low, high) = (Vec3::new(-60.0, -2.0, -60.0), Vec3::new(60.0, 2.0, 0.0));
     Mesh::box_of_hexes(low, high, [12, 1, 6], "rock").unwrap()
-}
-
-fn motion(model: &Model) -> Vec<[u64; 6]> {
-    let nodes = 0..model.mesh().node_count() as u32;
-    let of = |node: u32| {
-        let (u, v) = (model.displacement(node), model.velocity(node));
-        [u.x, u.y, u.z, v.x, v.y, v.z].map(f64::to_bits)
-    };
-    nodes.map(of).collect()
 }
 
 /// At slowness zero delayed pairs are periodic ones, to the bit.
@@ -41,7 +32,7 @@ fn pairs_without_delay_are_periodic() {
         for _ in 0..200 {
             Leapfrog.step(&mut model, 5e-4).unwrap();
         }
-        motion(&model)
+        bits_of_motion(&model)
     };
     let delayed = spec(
         &mesh,
@@ -99,23 +90,9 @@ fn threads_change_no_bit_of_a_slice() {
         let mut model = spec.threads(threads).block_size(17).build().unwrap();
         let options = RunOptions::steps(150).with_energy(EnergyCheck::every(20));
         let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
-        (motion(&model), report.energies)
+        (bits_of_motion(&model), report.energies)
     };
     assert!(of(1) == of(3));
-}
-
-/// Keeps the state of a run after some steps.
-#[derive(Debug)]
-struct At(u64, Mutex<Option<SavedRun>>);
-
-impl CheckpointSink for At {
-    fn is_due(&self, progress: &Progress) -> bool {
-        progress.done == self.0
-    }
-    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
-        *self.1.lock().unwrap() = Some(saved);
-        Ok(())
-    }
 }
 
 /// A resumed run ends with the same bits, energies included.
@@ -132,15 +109,15 @@ fn a_resumed_slice_has_the_same_bits() {
         let options = RunOptions::steps(140).with_energy(EnergyCheck::every(10));
         options.with_step(StepChoice::Fixed(1e-3))
     };
-    let sink = Arc::new(At(73, Mutex::default()));
+    let sink = KeepAfter::new(73);
     let mut whole = build();
     let kept = options().with_checkpoints(sink.clone());
     let first = run(&mut whole, &Leapfrog, &kept, &mut [], &mut |_| {}).unwrap();
-    let saved = sink.1.lock().unwrap().take().unwrap();
+    let saved = sink.saved();
     let mut rest = build();
     let resumed = options().with_resume(Arc::new(saved));
     let second = run(&mut rest, &Leapfrog, &resumed, &mut [], &mut |_| {}).unwrap();
-    assert!(motion(&whole) == motion(&rest));
+    assert!(bits_of_motion(&whole) == bits_of_motion(&rest));
     assert_eq!(first.energies, second.energies);
     assert_eq!(
         first.energy_residual.to_bits(),

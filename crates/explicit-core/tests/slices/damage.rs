@@ -3,14 +3,15 @@
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
-use powerhouse_material_damage::{LinearElastic, Mazars, MazarsParameters, MazarsTension};
+use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
     AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, EnergyCheck, Mesh, RunOptions,
     StepChoice, Vec3,
 };
 use powerhouse_wavefield::WaveKind;
 
-use super::{pairs, rock, slowness, wave};
+use super::{brittle, pairs, rock, slowness, wave};
+use crate::support::apart;
 
 /// Strain of the wave at its peak, about.
 const WAVE_STRAIN: f64 = 3e-5;
@@ -33,21 +34,11 @@ fn model(mesh: &Mesh, angles: [f64; 2], threshold: Option<f64>) -> Model {
         |label: &str| kernel.factory(label, LinearElastic::new(rock()), BlockOptions::default());
     let core_factory = match threshold {
         None => elastic("core"),
-        Some(share) => {
-            let threshold = share * WAVE_STRAIN;
-            let law = Mazars::new(MazarsParameters {
-                medium: rock(),
-                threshold,
-                tension: MazarsTension::Rates {
-                    share: 1.0,
-                    rate: 1.5 / threshold,
-                },
-                compression_share: 1.0,
-                compression_rate: 1.5 / threshold,
-                residual_stiffness: 1e-3,
-            });
-            kernel.factory("core", law.unwrap(), BlockOptions::default())
-        }
+        Some(share) => kernel.factory(
+            "core",
+            brittle(share * WAVE_STRAIN),
+            BlockOptions::default(),
+        ),
     };
     Model::builder(mesh)
         .elements(rest, elastic("rock"))
@@ -82,11 +73,6 @@ fn history(mesh: &Mesh, threshold: Option<f64>, angles: [f64; 2], steps: u64) ->
         motion.extend(nodes.map(|node| model.displacement(node)));
     }
     (motion, residual)
-}
-
-fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
-    let missed: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
-    (missed / b.iter().map(|b| b.norm_squared()).sum::<f64>()).sqrt()
 }
 
 /// A brittle core does not diverge at a slowness of 0.9 of that of P waves, where it changes the motion by a tenth at least; at half

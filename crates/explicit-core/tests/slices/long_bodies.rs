@@ -3,16 +3,15 @@
 use powerhouse_boundary::ViscousSpring;
 use powerhouse_elements::{AnyLaw, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
-use powerhouse_material_damage::{
-    ElastoPlastic, LinearElastic, MohrCoulomb, MohrCoulombParameters,
-};
+use powerhouse_material_damage::LinearElastic;
 use powerhouse_model::{
     AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, EnergyCheck, Mesh, RunOptions,
     StepChoice, TimeIntegrator, Vec3,
 };
 use powerhouse_wavefield::WaveKind;
 
-use super::{pairs, rock, slowness, wave};
+use super::{pairs, rock, slowness, wave, yielding};
+use crate::support::apart;
 
 /// Half the width and the depth (m) of the section of the ground.
 const SECTION: [f64; 2] = [60.0, 60.0];
@@ -28,16 +27,7 @@ impl Core {
     fn law(self) -> AnyLaw {
         match self {
             Self::Rock => LinearElastic::new(rock()).into(),
-            Self::Yielding => {
-                let surface = MohrCoulomb::new(MohrCoulombParameters {
-                    medium: rock(),
-                    friction: 0.3,
-                    dilation: 0.1,
-                    cohesion: 6e4,
-                    tension_strength: None,
-                });
-                ElastoPlastic::new(surface.unwrap()).into()
-            }
+            Self::Yielding => yielding(),
         }
     }
 }
@@ -125,12 +115,6 @@ fn body(size: f64, length: Option<f64>) -> Mesh {
     let (low, high) = (Vec3::new(-half, -end, -depth), Vec3::new(half, end, 0.0));
     let counts = [2.0 * half / size, 0.0, depth / size].map(|count| count.round() as usize);
     Mesh::box_of_hexes(low, high, [counts[0], along, counts[2]], "rock").unwrap()
-}
-
-fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let missed: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
-    (missed / b.iter().map(|b| b.norm_squared()).sum::<f64>()).sqrt()
 }
 
 /// What a slice errs by against a body of a length (m) with elements of a size (m), and what the core changes there.

@@ -8,12 +8,17 @@ mod refusals;
 mod steps;
 mod tunnels;
 
+pub(crate) use steps::{free, growth, noise};
+
 use std::sync::Arc;
 
 use powerhouse_boundary::ViscousSpring;
-use powerhouse_elements::SolidKernel;
+use powerhouse_elements::{AnyLaw, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, Model};
-use powerhouse_material_damage::LinearElastic;
+use powerhouse_material_damage::{
+    ElastoPlastic, LinearElastic, Mazars, MazarsParameters, MazarsTension, MohrCoulomb,
+    MohrCoulombParameters,
+};
 use powerhouse_model::{
     AbsorbingBoundary, BlockOptions, BoundarySite, DelayedPairs, ElasticMedium, Mesh, ModelError,
     ModelSpec, PeriodicPairs, Vec3,
@@ -24,6 +29,34 @@ use powerhouse_wavefield::{
 
 pub(crate) fn rock() -> ElasticMedium {
     ElasticMedium::new(9.0e9, 0.27, 2700.0).unwrap()
+}
+
+/// Rock that yields early by Mohr-Coulomb.
+pub(crate) fn yielding() -> AnyLaw {
+    let surface = MohrCoulomb::new(MohrCoulombParameters {
+        medium: rock(),
+        friction: 0.3,
+        dilation: 0.1,
+        cohesion: 6e4,
+        tension_strength: None,
+    });
+    ElastoPlastic::new(surface.unwrap()).into()
+}
+
+/// Rock that breaks from a strain (1) on, and keeps a thousandth of its stiffness.
+pub(crate) fn brittle(threshold: f64) -> AnyLaw {
+    let law = Mazars::new(MazarsParameters {
+        medium: rock(),
+        threshold,
+        tension: MazarsTension::Rates {
+            share: 1.0,
+            rate: 1.5 / threshold,
+        },
+        compression_share: 1.0,
+        compression_rate: 1.5 / threshold,
+        residual_stiffness: 1e-3,
+    });
+    law.unwrap().into()
 }
 
 /// A plane wave in a half-space under z = 0: a Ricker pulse of the displacement that passes the origin at a time (s).

@@ -11,7 +11,7 @@ use powerhouse_model::{
 use super::{pairs, rock};
 
 /// A reproducible number in [-1, 1).
-fn noise(seed: u64) -> f64 {
+pub(crate) fn noise(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -35,8 +35,8 @@ fn bent(distortion: f64, thickness: f64, seed: u64) -> Mesh {
     .unwrap()
 }
 
-/// A free slice at a ratio of its slowness to that of P waves.
-fn free(mesh: &Mesh, kernel: SolidKernel, ratio: f64) -> Model {
+/// A free slice, or bay, at a ratio of its slowness to that of P waves.
+pub(crate) fn free(mesh: &Mesh, kernel: SolidKernel, ratio: f64) -> Model {
     let law = LinearElastic::new(rock());
     Model::builder(mesh)
         .elements("rock", kernel.factory("rock", law, BlockOptions::default()))
@@ -64,7 +64,7 @@ fn shake(model: &mut Model, seed: u64) {
 }
 
 /// Growth of the motion over a number of steps of a length (s).
-fn growth(model: &mut Model, step: f64, steps: usize) -> f64 {
+pub(crate) fn growth(model: &mut Model, step: f64, steps: usize) -> f64 {
     let largest = |model: &Model| {
         let nodes = 0..model.mesh().node_count() as u32;
         nodes
@@ -73,7 +73,9 @@ fn growth(model: &mut Model, step: f64, steps: usize) -> f64 {
     };
     let mut start: f64 = 0.0;
     for count in 0..steps {
-        Leapfrog.step(model, step).unwrap();
+        if Leapfrog.step(model, step).is_err() {
+            return f64::INFINITY;
+        }
         if count < 50 {
             start = start.max(largest(model));
         }

@@ -420,6 +420,45 @@ impl CheckpointSink for StopAfter {
     }
 }
 
+/// Keeps the state after a step; the run goes on.
+#[derive(Debug)]
+pub(crate) struct KeepAfter(u64, Mutex<Option<SavedRun>>);
+impl KeepAfter {
+    pub(crate) fn new(step: u64) -> Arc<Self> {
+        Arc::new(Self(step, Mutex::new(None)))
+    }
+    /// The state that was kept.
+    pub(crate) fn saved(&self) -> SavedRun {
+        self.1.lock().unwrap().take().unwrap()
+    }
+}
+impl CheckpointSink for KeepAfter {
+    fn is_due(&self, progress: &Progress) -> bool {
+        progress.done == self.0
+    }
+    fn take(&self, saved: SavedRun) -> Result<(), ModelError> {
+        *self.1.lock().unwrap() = Some(saved);
+        Ok(())
+    }
+}
+
+/// Bits of displacement and velocity of all nodes.
+pub(crate) fn bits_of_motion(model: &Model) -> Vec<[u64; 6]> {
+    let nodes = 0..model.mesh().node_count() as u32;
+    let of = |node: u32| {
+        let (u, v) = (model.displacement(node), model.velocity(node));
+        [u.x, u.y, u.z, v.x, v.y, v.z].map(f64::to_bits)
+    };
+    nodes.map(of).collect()
+}
+
+/// Norm of the difference of two motions of as many nodes and times, over that of the second.
+pub(crate) fn apart(a: &[Vec3], b: &[Vec3]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let missed: f64 = a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum();
+    (missed / b.iter().map(|b| b.norm_squared()).sum::<f64>()).sqrt()
+}
+
 /// A fibre of nodes with an added inertia over mass (1).
 pub(crate) fn fibre_of(nodes: &[u32], added: f64) -> Fibre {
     Fibre {
