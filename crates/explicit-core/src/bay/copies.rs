@@ -68,9 +68,9 @@ impl Copies {
         })
     }
 
-    /// Node of the other mesh of a node of this one.
-    pub(crate) fn original(&self, node: u32) -> u32 {
-        self.of[node as usize]
+    /// Node of the other mesh of each node of this one.
+    pub(crate) fn originals(&self) -> &[u32] {
+        &self.of
     }
 
     /// Engine numbers of each copy and of its node of the other mesh.
@@ -156,7 +156,7 @@ mod tests {
                 .zip(mesh.nodes_of(element));
             for (&own, &node) in both {
                 assert!(seen.insert(own));
-                assert_eq!(copies.original(own), node);
+                assert_eq!(copies.originals()[own as usize], node);
                 assert_eq!(copies.element_of[own as usize], element);
                 let [a, b] = [&copies.mesh, &mesh].map(Mesh::positions);
                 assert_eq!(a[own as usize], b[node as usize]);

@@ -31,7 +31,7 @@ mod plan;
 mod skew;
 mod step;
 
-use powerhouse_model::Vec3;
+use powerhouse_model::{Mesh, Vec3};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use copies::{Carriers, Copies};
@@ -56,6 +56,8 @@ pub(crate) struct BayMotion {
 
 /// A bay of an endless row.
 pub(crate) struct Bay {
+    /// The mesh in which every element has nodes of its own.
+    pub(crate) mesh: Mesh,
     /// Slowness along y (s/m).
     slowness: f64,
     /// Engine number of the first node of the mesh of each group.

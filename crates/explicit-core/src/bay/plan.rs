@@ -117,7 +117,7 @@ impl BayPlan {
     ) -> Result<Bay, EngineError> {
         let numbering = &subdomain.numbering;
         let original = |node: u32| {
-            let of_mesh = copies.original(numbering.mesh_of[node as usize]);
+            let of_mesh = copies.originals()[numbering.mesh_of[node as usize] as usize];
             numbering.local_of[of_mesh as usize]
         };
         let mut is_linear = true;
@@ -166,6 +166,7 @@ impl BayPlan {
         }
         let skew = self.skew(groups, group_of, (subdomain, blocks));
         Ok(Bay {
+            mesh: copies.mesh.clone(),
             slowness: self.slowness,
             leads,
             place,

@@ -66,11 +66,17 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
         None => None,
     };
     let mesh = spec.mesh;
-    let start = InitialState { state: spec.start };
+    let mut start = InitialState {
+        state: spec.start,
+        ..InitialState::default()
+    };
     let copies = bay.is_some().then(|| start.absent(mesh));
     let copies = copies.transpose()?.map(|absent| Copies::new(mesh, &absent));
     let copies = copies.transpose()?;
     let divided = copies.as_ref().map_or(mesh, |copies| &copies.mesh);
+    if let Some(copies) = &copies {
+        start.node_of = copies.originals().to_vec();
+    }
     let precision = coarsest(&spec.sets)?;
     let block_size = spec.block_size.unwrap_or_else(|| {
         let share = mesh.element_count() / BLOCKS;

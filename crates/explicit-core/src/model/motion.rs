@@ -99,7 +99,7 @@ impl Model {
             }
             for bound in block.frequency_bounds() {
                 let inside = (bound.element as usize) < self.mesh.element_count()
-                    && self.mesh.nodes_of(bound.element).contains(&mesh_node);
+                    && (self.mesh_of_elements().nodes_of(bound.element)).contains(&mesh_node);
                 let first = worst.block.is_none();
                 if inside && (first || bound.frequency > worst.frequency) {
                     worst = ElementAt {

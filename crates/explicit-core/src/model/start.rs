@@ -24,6 +24,8 @@ pub(super) struct ElementSubset<'a> {
 #[derive(Default)]
 pub(super) struct InitialState {
     pub(super) state: Option<State>,
+    /// Node of the mesh of each node of the elements; empty where these are the nodes of the mesh.
+    pub(super) node_of: Vec<u32>,
 }
 
 impl InitialState {
@@ -90,11 +92,14 @@ impl InitialState {
         Ok(subsets)
     }
 
-    /// Reference displacement (m) of a cast at some nodes (mesh indices), at which its elements are free of stress.
+    /// Reference displacement (m) of a cast at some nodes of its elements, at which these are free of stress.
     pub(super) fn reference(&self, cast: usize, nodes: &[u32]) -> Vec<Quad<f64>> {
         let cast = self.state.as_ref().and_then(|state| state.casts.get(cast));
         let moved = cast.map_or(&[][..], |cast| &cast.displacement);
-        let of = |&node: &u32| moved.get(node as usize).copied().unwrap_or_default();
+        let of = |node: &u32| {
+            let node = self.node_of.get(*node as usize).unwrap_or(node);
+            moved.get(*node as usize).copied().unwrap_or_default()
+        };
         (nodes.iter())
             .map(|node| Quad::from_vector(&of(node)))
             .collect()
@@ -111,6 +116,12 @@ fn beyond(name: &str, element: u32) -> EngineError {
 }
 
 impl Model {
+    /// The mesh whose nodes are those of the blocks of elements: that of the model, or of a bay the one in which every element has
+    /// nodes of its own.
+    pub(crate) fn mesh_of_elements(&self) -> &Mesh {
+        self.bay.as_ref().map_or(&self.mesh, |bay| &bay.mesh)
+    }
+
     /// Internal nodal forces (N, by local node) of the initial stress: the integral of
     /// `B^T sigma_0` over the active elements.
     pub(crate) fn forces_of_initial_stress(&mut self) -> Vec<Vec3> {
@@ -128,7 +139,7 @@ impl Model {
             }
             let place_of: HashMap<u32, usize> = block.nodes().iter().copied().zip(0..).collect();
             for &element in block.elements() {
-                let nodes = model.mesh.nodes_of(element);
+                let nodes = model.mesh_of_elements().nodes_of(element);
                 let mut forces = vec![Vec3::zeros(); nodes.len()];
                 (model.initial).add_forces_of_slope(&model.mesh, element, &mut forces);
                 for (node, force) in nodes.iter().zip(forces) {

@@ -182,3 +182,73 @@ fn what_a_bay_takes_and_what_it_does_not() {
         assert!(refused.contains(message), "{message}: {refused}");
     }
 }
+
+/// A bay that is excavated, lined and bolted in stages, from a stress of the ground that grows with depth, moves under nearly vertical waves as the same body with periodic
+/// ends does under vertical ones. What is cast begins at the displacement of its stage.
+#[test]
+fn a_bay_is_excavated_and_lined() {
+    let mut mesh = mesh(20.0);
+    let core = mesh.element_set("core").unwrap().to_vec();
+    let (void, lining) = (core.iter()).partition(|&&e| mesh.centroid(e).x.abs() < 10.0);
+    mesh.set_element_set("void", void).unwrap();
+    mesh.set_element_set("lining", lining).unwrap();
+    let stages = r#"
+[[load]]
+kind = "gravity"
+[in_situ_stress]
+kind = "ground"
+level = 0
+density = 2750
+lateral = 0.4
+[[bolt]]
+name = "nail"
+section = 4e-2
+young = 210e9
+lines = [[[-40, 1, -60], [-20, 1, -55]]]
+[[stage]]
+name = "ground"
+part = [{ set = "lining", material = "granite" }]
+support = [{ kind = "roller", set = "left" }, { kind = "roller", set = "right" }, { kind = "roller", set = "front" }, { kind = "roller", set = "back" }, { kind = "roller", set = "bottom" }]
+[[stage]]
+name = "heading"
+excavate = ["void", "lining"]
+bolts = ["nail"]
+release = 0.6
+[[stage]]
+name = "lining"
+cast = ["lining"]
+[time]
+"#;
+    let parts = r#"[[part]]
+set = "void"
+material = "granite"
+kernel = "hex8-natural"
+[[part]]
+set = "lining"
+"#;
+    let text = BAY
+        .replacen("[time]\n", stages.trim_start(), 1)
+        .replacen("[[part]]\nset = \"core\"\n", parts, 1)
+        .replacen("at = [0, 15, 0]", "at = [15, 0, -40]", 1);
+    let run = |text: &str| {
+        let simulation = scene_on(&mesh, text).unwrap().into_scene().prepare();
+        simulation.unwrap().run(RunHooks::default()).unwrap()
+    };
+    let flat = "damping = { kind = \"flat\", ratio = 0.02, band = [0.5, 20] }\n";
+    for damping in ["", flat] {
+        let kernel = "kernel = \"hex8-natural\"\n";
+        let text = text.replace(kernel, &format!("{kernel}{damping}"));
+        let delayed = run(&text.replacen("incidence = 15", "incidence = 0.1", 1));
+        let periodic = run(&text
+            .replacen("incidence = 15", "incidence = 0", 1)
+            .replacen("delayed", "periodic", 1));
+        let [tables_a, tables_b] = [delayed.histories(), periodic.histories()];
+        for column in ["front.uy", "back.uy"] {
+            let [a, b] = [&tables_a, &tables_b].map(|t| &t.column(column).unwrap().values);
+            let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+            let largest = b.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
+            let apart = apart.fold(0.0, f64::max);
+            assert!(apart < 0.01 * largest, "{damping}{column}: {apart} of {largest}");
+        }
+    }
+}
