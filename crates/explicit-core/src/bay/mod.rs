@@ -31,7 +31,7 @@ mod plan;
 mod skew;
 mod step;
 
-use powerhouse_model::{Mesh, Vec3};
+use powerhouse_model::{MassDampingRule, Mat3, Mesh, Vec3};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use copies::{Carriers, Copies};
@@ -66,6 +66,8 @@ pub(crate) struct Bay {
     place: Vec<(u32, f64)>,
     /// The matrix `D`.
     skew: Skew,
+    /// Rule and length of step (s), and the effective mass of each group at them (kg); none before the first step.
+    inertia: (Option<(MassDampingRule, f64)>, Vec<Mat3>),
     /// What each group has less of mass (kg): the largest of `s^2 A` along any axis.
     taken: Vec<f64>,
     /// Whether all elements are linear.

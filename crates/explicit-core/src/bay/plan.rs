@@ -171,6 +171,7 @@ impl BayPlan {
             leads,
             place,
             skew,
+            inertia: (None, Vec::new()),
             taken,
             is_linear,
             motion: BayMotion::default(),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use powerhouse_model::{ForceTerms, MassDampingRule, Operator, Quad, RunError, Vec3};
+use powerhouse_model::{ForceTerms, MassDampingRule, Mat3, Operator, Quad, RunError, Vec3};
 use rayon::prelude::*;
 
 use super::Bay;
@@ -70,11 +70,17 @@ impl Bay {
                 *x -= response(g, &(last[g] * 2.0 - before)) * (0.5 * step);
             }
         }
-        let weight = |g: usize, x: &Vec3| {
-            let impulse = all[g].impulse((rule, step), &Vec3::zeros(), x);
-            impulse.dot(x)
-        };
-        let Some((_, turned)) = self.skew.solve((&b, &mut x), step, response, weight) else {
+        if self.inertia.0 != Some((rule, step)) {
+            let of = |group: &NodeGroup| {
+                let units = [Vec3::x(), Vec3::y(), Vec3::z()];
+                let still = Vec3::zeros();
+                Mat3::from_columns(&units.map(|unit| group.impulse((rule, step), &still, &unit)))
+            };
+            self.inertia = (Some((rule, step)), all.iter().map(of).collect());
+        }
+        let inertia = &self.inertia.1;
+        let of_group = |g: usize| [&coefficients[g].inverse, &inertia[g]];
+        let Some((_, turned)) = self.skew.solve((&b, &mut x), step, of_group) else {
             return false;
         };
         for ((next, before), sum) in motion.next.iter_mut().zip(&motion.previous).zip(&x) {

@@ -248,7 +248,10 @@ set = "lining"
             let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs());
             let largest = b.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
             let apart = apart.fold(0.0, f64::max);
-            assert!(apart < 0.01 * largest, "{damping}{column}: {apart} of {largest}");
+            assert!(
+                apart < 0.01 * largest,
+                "{damping}{column}: {apart} of {largest}"
+            );
         }
     }
 }
