@@ -6,9 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use powerhouse_elements::{AnyLaw, SolidKernel};
 use powerhouse_model::{
     BlockContext, BlockLaw, BlockLawInput, BlockOptions, BlockPart, ConstitutiveLaw, ElasticMedium,
-    ElementBlock, ElementKind, HistoryUpdate, HistoryVariable, Lane, LawInput, Mat3, Mesh,
-    NodalView, NodalViewMut, Operator, Precision, Quad, StepTime, Stress, Vec3,
-    point_stress_change,
+    ElementBlock, ElementKind, HistoryVariable, Lane, LawInput, Mat3, Mesh, NodalView,
+    NodalViewMut, Operator, Precision, Quad, StepTime, Stress, Vec3, point_stress_change,
 };
 
 /// Damage `k / (k + 1e-3)` by the largest norm `k` of the strain so far; the initial stress over Young's modulus counts
@@ -161,15 +160,11 @@ fn a_law_for_a_block_has_the_bits_of_one_in_lanes() {
         for number in 0..8 {
             let u = noise(lanes.nodes, number, 1e-4 * (1.0 + number as f64));
             let v = noise(lanes.nodes, number + 9, 1e-2);
-            let update = match number % 2 {
-                0 => HistoryUpdate::Buffered,
-                _ => HistoryUpdate::InPlace,
-            };
             // The last two states are static.
             let step = if number < 6 { 1e-4 } else { 0.0 };
             let views = (NodalView::F64(&u), NodalView::F64(&v));
             let context = BlockContext::new(at(number, step), views.0, views.1)
-                .with_history_update(update)
+                .with_repeats(number % 2 == 0)
                 .with_ledger(number < 6);
             let before = calls.load(Ordering::Relaxed);
             let found = at_once.forces(&context);

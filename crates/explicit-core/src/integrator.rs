@@ -1,7 +1,7 @@
 //! Explicit time integration schemes.
 
 use powerhouse_model::{
-    Dynamics, ForceTerms, FrequencyLimits, HistoryUpdate, MassDampingRule, RunError, TimeIntegrator,
+    Dynamics, ForceTerms, FrequencyLimits, MassDampingRule, RunError, TimeIntegrator,
 };
 
 /// The central difference method in leapfrog form: velocities at half steps, displacements at full steps.
@@ -41,7 +41,7 @@ impl TimeIntegrator for Leapfrog {
         refuse_above(self.name(), limit, step, reason)
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-        let terms = ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace);
+        let terms = ForceTerms::PLAIN.with_repeats(false);
         dynamics.forces(terms, step)?;
         dynamics.kick(MassDampingRule::Implicit, step)?;
         dynamics.constrain(step)?;
@@ -97,7 +97,7 @@ impl TimeIntegrator for OneSided {
     }
     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
         let terms = ForceTerms::shifted(-0.5 * step);
-        dynamics.forces(terms.with_history_update(HistoryUpdate::InPlace), step)?;
+        dynamics.forces(terms.with_repeats(false), step)?;
         dynamics.kick(MassDampingRule::Lagged, step)?;
         dynamics.constrain(step)?;
         dynamics.drift(step);

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use powerhouse_model::{
-    Cadence, CheckpointSink, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, HistoryUpdate, Length,
+    Cadence, CheckpointSink, Dynamics, Ended, EnergyCheck, Flow, ForceTerms, Length,
     MassDampingRule, Observer, ParameterError, Precision, Progress, Reach, RunError, RunFailure,
     RunOptions, RunReport, StableStep, StateError, StepChoice, StepView, TimeIntegrator,
 };
@@ -502,13 +502,10 @@ impl Dynamics for TimeLoop<'_> {
         self.model.time()
     }
     fn forces(&mut self, mut terms: ForceTerms, step: f64) -> Result<(), RunError> {
-        // Energies and stresses are computed from the committed history variables, which must not be
-        // overwritten where they are required: in the first step, in which the energy balance begins, in steps
-        // for observers, and in the last one, after which they may be read from the model.
-        let [first, shown] = [self.done == 0, self.is_observed(step)];
-        if first || self.last || shown || self.reads_energies(step) {
-            terms.history_update = HistoryUpdate::Buffered;
-        }
+        // Elements are read in the first step, in which the energy balance begins, in steps for observers, and after the last one
+        // from the model.
+        let is_end = self.done == 0 || self.last;
+        terms.shown = is_end || self.is_observed(step) || self.reads_energies(step);
         self.model.forces(terms, step)
     }
     fn kick(&mut self, mass_damping: MassDampingRule, step: f64) -> Result<(), RunError> {

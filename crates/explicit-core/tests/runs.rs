@@ -1,14 +1,15 @@
 //! What observers are shown, and how runs end.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::support::{Links, chain};
-use powerhouse_elements::NodalForce;
+use powerhouse_elements::{NodalForce, SolidKernel};
 use powerhouse_explicit_core::{BuildModel, Leapfrog, Model, run};
 use powerhouse_model::{
-    Cadence, ElementKind, Ended, Fields, Flow, ModelError, Observer, ParameterError, RunError,
-    RunOptions, StepChoice, StepView, Support, Vec3,
+    BlockOptions, Cadence, ConstitutiveLaw, ElasticMedium, ElementKind, Ended, EnergyCheck, Fields,
+    Flow, HistoryVariable, Lane, LawInput, Mesh, ModelError, Observer, ParameterError, RunError,
+    RunOptions, StepChoice, StepView, Stress, Support, Vec3,
 };
 
 const YOUNG: f64 = 9.0e9;
@@ -308,4 +309,88 @@ fn stresses_and_energies_are_shown() {
             .iter()
             .any(|(name, joule)| *name == "loads" && *joule > 0.0)
     );
+}
+
+/// A softening law that counts its evaluations.
+#[derive(Clone)]
+struct Counted(ElasticMedium, Arc<AtomicUsize>);
+
+impl ConstitutiveLaw for Counted {
+    fn name(&self) -> &str {
+        "counted"
+    }
+    fn medium(&self) -> ElasticMedium {
+        self.0
+    }
+    fn history(&self) -> &'static [HistoryVariable] {
+        const { &[HistoryVariable::amount("largest_strain", "1")] }
+    }
+    #[inline(always)]
+    fn stress_change<L: Lane>(&self, input: &LawInput<L>, new: &mut [L]) -> Stress<L> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        let any = input.strain.0[0];
+        new[0] = input.history[0].max(input.strain.0[2].abs());
+        let (lambda, shear) = (any.constant(self.0.lambda()), any.constant(self.0.shear()));
+        let kept = any.constant(1e-4) / (new[0] + any.constant(1e-4));
+        Stress::elastic(lambda, shear, &input.strain) * kept
+    }
+}
+
+/// Observers of stresses and the energy balance, in every step, some or none, change neither the number of evaluations of a law
+/// nor the motion; stresses that are seen are those of the forces.
+#[test]
+fn what_is_shown_costs_no_evaluation_of_the_law() {
+    let mesh = Mesh::box_of_hexes(Vec3::zeros(), Vec3::new(2.0, 2.0, 3.0), [2, 2, 3], "rock");
+    let mesh = mesh.unwrap();
+    let medium = ElasticMedium::new(YOUNG, 0.25, DENSITY).unwrap();
+    let at = |height: f64| -> Vec<u32> {
+        let nodes = (0..).zip(mesh.positions());
+        let here = nodes.filter(|(_, x)| x.z == height);
+        here.map(|(node, _)| node).collect()
+    };
+    let go = |every: Option<u64>| {
+        let evaluations = Arc::new(AtomicUsize::new(0));
+        let law = Counted(medium, evaluations.clone());
+        let load = NodalForce::new(
+            at(3.0),
+            Vec3::new(0.0, 2e4, 3e5),
+            Box::new(|t: f64| t * 1e3),
+        );
+        let part = SolidKernel::Hex8Full.factory("rock", law, BlockOptions::default());
+        let mut model = Model::builder(&mesh)
+            .elements("rock", part)
+            .support(Support::fixed(at(0.0)))
+            .load(Box::new(load))
+            .build()
+            .unwrap();
+        // The balance of a run is read in its last step in any case.
+        let options = RunOptions::steps(40)
+            .with_step(StepChoice::Unchecked(5e-5))
+            .with_energy(EnergyCheck::every(every.unwrap_or(100)));
+        let mut observers: Vec<Box<dyn Observer>> = Vec::new();
+        let mut seen = Seen::default();
+        if let Some(every) = every {
+            for _ in 0..2 {
+                let mut notes = Notes::new(Cadence::Steps(every), |view| view.stress(0).0[2]);
+                notes.fields = Fields::default().with_stress(true);
+                seen = notes.seen.clone();
+                observers.push(Box::new(notes));
+            }
+        }
+        evaluations.store(0, Ordering::Relaxed);
+        run(&mut model, &Leapfrog, &options, &mut observers, &mut |_| {}).unwrap();
+        let motion: Vec<Vec3> = (0..mesh.node_count() as u32)
+            .map(|node| model.displacement(node))
+            .collect();
+        let seen = seen.lock().unwrap().clone();
+        (evaluations.load(Ordering::Relaxed), motion, seen)
+    };
+    let (none, motion, _) = go(None);
+    assert!(none.is_multiple_of(40), "{none} evaluations");
+    let (always, of_always, seen) = go(Some(1));
+    let (some, of_some, _) = go(Some(7));
+    assert_eq!([always, some], [none; 2]);
+    assert_eq!([&of_always, &of_some], [&motion; 2]);
+    assert_eq!(seen.len(), 40);
+    assert!(seen[39].1 > seen[10].1 && seen[10].1 > 0.0, "{seen:?}");
 }

@@ -5,19 +5,6 @@ use crate::{
     StatefulBlock, StepTime,
 };
 
-/// Storage of the new history variables of a force evaluation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum HistoryUpdate {
-    /// New history variables are stored beside the committed ones, so that further forces, stresses and
-    /// energies of the same step start from the committed ones.
-    #[default]
-    Buffered,
-    /// New history variables may overwrite the committed ones, because the next operation is a commit:
-    /// a step then touches half of the memory.
-    InPlace,
-}
-
 /// Input of a block of elements at a time step: motion of the block's nodes, and what the step requires.
 ///
 /// Nodal values are those of the block alone, in the order of [`ElementBlock::nodes`]. Fields may be added.
@@ -40,16 +27,18 @@ pub struct BlockContext<'a> {
     pub damping_shift: f64,
     /// Whether the block must account for its energies in this step.
     pub ledger: bool,
-    /// Where the block stores new history variables.
-    pub history_update: HistoryUpdate,
+    /// Whether stresses, energies or history variables are read between these forces and the next commit.
+    pub shown: bool,
+    /// Whether forces may be evaluated again from the same committed state before the next commit.
+    pub repeats: bool,
     /// Whether the body rests, so that elements with numbers of their own bring these to equilibrium, whatever the length of the
     /// step; otherwise they follow step by step.
     pub rests: bool,
 }
 
 impl<'a> BlockContext<'a> {
-    /// A context of a step, a displacement (m) and a velocity (m/s), without energy bookkeeping, with
-    /// buffered history variables; of a body that rests if the step is zero.
+    /// A context of a step, a displacement (m) and a velocity (m/s), without energy bookkeeping, which is not shown and
+    /// may be repeated; of a body that rests if the step is zero.
     pub fn new(when: StepTime, displacement: NodalView<'a>, velocity: NodalView<'a>) -> Self {
         let StepTime { number, time, step } = when;
         Self {
@@ -60,14 +49,22 @@ impl<'a> BlockContext<'a> {
             velocity,
             damping_shift: 0.0,
             ledger: false,
-            history_update: HistoryUpdate::Buffered,
+            shown: false,
+            repeats: true,
             rests: step == 0.0,
         }
     }
-    /// The same context with new history variables stored as `update` says.
+    /// The same context of a step that is shown, if `shown` is true: the block can keep what output reads.
     #[must_use]
-    pub fn with_history_update(mut self, update: HistoryUpdate) -> Self {
-        self.history_update = update;
+    pub fn with_shown(mut self, shown: bool) -> Self {
+        self.shown = shown;
+        self
+    }
+    /// The same context of forces that may be repeated, if `repeats` is true. Otherwise the next operation but reads is a commit,
+    /// and the block may overwrite its committed state unless the step is shown.
+    #[must_use]
+    pub fn with_repeats(mut self, repeats: bool) -> Self {
+        self.repeats = repeats;
         self
     }
     /// The same context of a body that rests, if `rests` is true, or moves.

@@ -1,8 +1,6 @@
 //! Interfaces of time integration and observation.
 
-use crate::{
-    HistoryUpdate, JointView, ModelError, ParameterError, Reach, RunError, StateError, Stress, Vec3,
-};
+use crate::{JointView, ModelError, ParameterError, Reach, RunError, StateError, Stress, Vec3};
 
 /// Time discretisation of mass-proportional damping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,15 +39,18 @@ impl MassDampingRule {
 pub struct ForceTerms {
     /// Increment of every stiffness damping coefficient (s).
     pub damping_shift: f64,
-    /// Where elements store new history variables.
-    pub history_update: HistoryUpdate,
+    /// Whether stresses, energies or history variables are read before the drift; the engine sets it in its steps.
+    pub shown: bool,
+    /// Whether forces may be evaluated again in the same step before the drift.
+    pub repeats: bool,
 }
 
 impl ForceTerms {
     /// The forces of the equation of motion, without changes.
     pub const PLAIN: Self = Self {
         damping_shift: 0.0,
-        history_update: HistoryUpdate::Buffered,
+        shown: false,
+        repeats: true,
     };
     /// Options with an increment of every stiffness damping coefficient (s).
     pub fn shifted(damping_shift: f64) -> Self {
@@ -58,18 +59,14 @@ impl ForceTerms {
             ..Self::PLAIN
         }
     }
-    /// The same forces with another storage of new history variables.
+    /// The same forces, which may be repeated in their step if `repeats` is true.
     ///
-    /// [`HistoryUpdate::InPlace`] is permitted where a step evaluates forces no more than once before it
-    /// drifts; elements may then overwrite their committed history variables, which halves the memory that
-    /// they touch. Further evaluations in the same step, or after an error, start from the overwritten
-    /// variables, as after a drift.
+    /// A scheme that evaluates forces no more than once before it drifts says that they are not: elements may then overwrite their
+    /// committed history variables, which halves the memory that they touch. Further evaluations in the same step, or after an
+    /// error, start from the overwritten variables, as after a drift.
     #[must_use]
-    pub fn with_history_update(self, history_update: HistoryUpdate) -> Self {
-        Self {
-            history_update,
-            ..self
-        }
+    pub fn with_repeats(self, repeats: bool) -> Self {
+        Self { repeats, ..self }
     }
 }
 
@@ -151,7 +148,7 @@ pub trait Dynamics {
 ///     fn stable_step(&self, limits: &FrequencyLimits) -> Result<f64, RunError> { Ok(2.0 / limits.highest) }
 ///     fn check(&self, _limits: &FrequencyLimits, _step: f64) -> Result<(), RunError> { Ok(()) }
 ///     fn step(&self, dynamics: &mut dyn Dynamics, step: f64) -> Result<(), RunError> {
-///         dynamics.forces(ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace), step)?;
+///         dynamics.forces(ForceTerms::PLAIN.with_repeats(false), step)?;
 ///         dynamics.kick(MassDampingRule::Implicit, step)?;
 ///         dynamics.constrain(step)?;
 ///         dynamics.drift(step);

@@ -98,8 +98,7 @@ pub use delayed::{DelayedPairs, StiffElements};
 pub use disjoint_sets::DisjointSets;
 pub use elastic_domain::ElasticDomain;
 pub use element::{
-    BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound, HistoryUpdate,
-    LimitingTerm, Operator,
+    BlockContext, BlockEnergy, ElementBlock, ElementFault, FrequencyBound, LimitingTerm, Operator,
 };
 pub use embedded_bars::{AXIAL_FORCE, EmbeddedBars, EmbeddedElements};
 pub use engine::{

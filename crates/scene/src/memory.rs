@@ -10,6 +10,8 @@ use crate::{Error, Scene};
 pub struct LawMemory {
     /// Stored numbers at all integration points together, those of the committed state alone.
     pub numbers: usize,
+    /// Number of elements whose law has history variables.
+    pub with_history: usize,
     /// Number of elements whose law has history variables in the output.
     pub elements: usize,
     /// History variables in the output, each name once; those of relaxation mechanisms are left out.
@@ -34,6 +36,7 @@ impl Scene {
                 let kernel = part.kernel_for(self.mesh.kind(*element));
                 if let (Some(kernel), true) = (kernel, of_point > 0) {
                     memory.numbers += of_point * kernel.points() + kernel.own_history();
+                    memory.with_history += 1;
                 }
                 memory.elements += usize::from(!shown.is_empty());
             }

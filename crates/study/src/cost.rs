@@ -180,6 +180,8 @@ const HISTORY_BYTES: [(Precision, f64); 3] = [
     (Precision::Mixed, 8.0),
     (Precision::F32, 8.0),
 ];
+/// Bytes per element of a law with history variables in steps that are shown: its stress and energies, and the displacement of a node.
+const SHOWN_BYTES: f64 = 96.0;
 /// Bytes per node, element and history variable of a static solution: beside those of a dynamic model the vectors of
 /// the solver and of eight earlier corrections, diagonals, the state between stages, and the assembly of the next
 /// model; fitted to the example `cost_model`.
@@ -257,6 +259,7 @@ impl CostModel {
             + of_brick * of_bricks as f64
             + of_other * (all - of_bricks) as f64
             + of_precision(HISTORY_BYTES, precision) * self.scale.laws.numbers as f64
+            + SHOWN_BYTES * self.scale.laws.with_history as f64
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
             + PAIR_BYTES * self.pairs as f64
     }
@@ -363,17 +366,23 @@ mod tests {
             reference: ReferenceFrequency::Centre,
         };
         let points = 8.0 * 64.0;
-        // The envelope of one amount with its time, and one value of flags, in each element.
-        let shown = (32.0 + 16.0) * 64.0;
+        // The envelope of one amount with its time, and one value of flags, in each element; stress, energies and displacement
+        // of steps that are shown.
+        let shown = (32.0 + 16.0 + SHOWN_BYTES) * 64.0;
+        let of_steps = SHOWN_BYTES * 64.0;
         for (part, numbers, shown) in [
             (yields(), 8.0 * points, shown),
-            (elastic().with_damping(flat.clone()), 12.0 * points, 0.0),
+            (
+                elastic().with_damping(flat.clone()),
+                12.0 * points,
+                of_steps,
+            ),
             (yields().with_damping(flat.clone()), 20.0 * points, shown),
             // Two of four layers along three axes touch the faces, one along the vertical.
             (
                 yields().with_damping(flat).with_rim(0.0),
                 20.0 * 8.0 * 12.0,
-                48.0 * 12.0,
+                (48.0 + SHOWN_BYTES) * 12.0,
             ),
         ] {
             for (precision, bytes) in [(Precision::F64, 8.0), (Precision::Mixed, 4.0)] {

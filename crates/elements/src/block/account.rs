@@ -1,6 +1,6 @@
 //! Energy bookkeeping: dissipation and other work that is accumulated step by step.
 
-use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, HistoryUpdate, Quad, StateError};
+use powerhouse_model::{BlockContext, BlockEnergy, ElementKernel, Quad, StateError};
 use serde::{Deserialize, Serialize};
 
 use super::batches::Batch;
@@ -9,7 +9,7 @@ use super::operations::Energy;
 use super::saved::{Numbers, Places};
 use super::survey::each_lane;
 use super::transfer::NodeScalar;
-use super::{Block, in_double};
+use super::{Block, in_double, is_read};
 use crate::lanes::{BatchLane, BatchScalar};
 
 /// Energy bookkeeping of a block: accumulated energies, and the state at the last step.
@@ -331,13 +331,12 @@ where
     K: ElementKernel<N, P>,
     S: NodeScalar,
 {
-    /// Sums of a step that are zero yet. Stored energy is required where the history variables may be read after the step, where
+    /// Sums of a step that are zero yet. Stored energy is required where the state may be read after the forces, where
     /// the bookkeeping begins, and of laws that have others in every step.
     pub(super) fn sums_of(&self, context: &BlockContext) -> StepSums {
-        let reads = context.history_update == HistoryUpdate::Buffered;
         let begins = !self.account.is_followed_by(context.number);
         StepSums {
-            requires_stored: reads || begins || !self.law.telescopes(),
+            requires_stored: is_read(context) || begins || !self.law.telescopes(),
             ..StepSums::default()
         }
     }

@@ -107,6 +107,7 @@ where
 {
     fn commit(&mut self) {
         self.history.commit();
+        self.shown_mut().begin(&[]);
         if self.law.is_stepping() || !self.follows_flow() {
             self.committed_displacement = None;
         } else if let Some(committed) = &mut self.committed_displacement {
@@ -120,18 +121,18 @@ where
         let (arrangement, elements) = (self.arrangement, &self.elements);
         self.history.set_fields(&arrangement, elements, fields);
         self.forces_at_rest = None;
-        self.account.restart();
+        self.restart();
     }
     fn set_active(&mut self, active: &[bool]) {
         let some_are_off = active.iter().any(|active| !active);
         self.active = some_are_off.then(|| active.to_vec());
         self.forces_at_rest = None;
-        self.account.restart();
+        self.restart();
     }
     fn set_reference_displacement(&mut self, displacement: NodalView) {
         self.reference = Some(in_double(displacement));
         self.committed_displacement = None;
-        self.account.restart();
+        self.restart();
     }
     fn set_initial_stress(&mut self, stress: &[Stress]) {
         if self.is_linear() {
@@ -153,7 +154,7 @@ where
                 self.initial.as_mut_slice()[index] = S::from_f64(stress.0[i]);
             }
         }
-        self.account.restart();
+        self.restart();
     }
     fn add_forces_of(&self, stress: &[Stress], out: &mut [Vec3]) {
         self.add_forces_of_stress(stress, out);

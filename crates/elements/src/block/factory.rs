@@ -1,7 +1,7 @@
 //! Factories of blocks of solid elements.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use powerhouse_model::{
     BlockFactory, BlockOptions, BlockPart, ElementBlock, ElementExtent, ElementKernel, ElementKind,
@@ -239,6 +239,7 @@ where
             static_displacement: Vec::new(),
             committed_displacement: None,
             account: Account::default(),
+            shown: Mutex::default(),
             is_linear_ground: self.law.is_linear_ground(),
             forces_at_rest: None,
             law: LawForms::new(law),

@@ -91,7 +91,8 @@ where
             }
             None => None,
         };
-        if let (Some(survey), Some(energy)) = (self.survey.as_deref_mut(), &energy) {
+        if let (Some(survey), Some(energy)) = (&mut self.survey, &energy) {
+            let survey = &mut *survey.out;
             write_mean(&volumes, &stresses, &batch, survey);
             each_lane(energy.sum.stored, &batch, |e, energy| {
                 survey[e].elastic = energy;
@@ -102,7 +103,7 @@ where
             }
         }
         if let Some(rates) = &mut self.rates
-            && (rates.damping != 0.0 || energy.is_some())
+            && (rates.damping != 0.0 || (rates.bookkeeping.is_some() && energy.is_some()))
         {
             let velocity = (rates.velocity, batch.first);
             let mut nodal = [[zero; 3]; N];

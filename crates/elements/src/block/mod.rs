@@ -32,12 +32,12 @@ mod transfer;
 mod water_pressure;
 
 use std::cell::Cell;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use powerhouse_model::{
     BlockContext, BlockOutput, BlockStiffness, DampedBlock, ElementBlock, ElementFault,
-    ElementKernel, FrequencyBound, HistoryUpdate, KernelArithmetic, NodalView, NodalViewMut,
-    Operator, ProgrammedBlock, Quad, Rayleigh, StatefulBlock, Vec3,
+    ElementKernel, FrequencyBound, KernelArithmetic, NodalView, NodalViewMut, Operator,
+    ProgrammedBlock, Quad, Rayleigh, StatefulBlock, Vec3,
 };
 
 use crate::lanes::{Arrangement, Lanes};
@@ -52,7 +52,7 @@ use memory::Connectivity;
 use nodal::{add, difference, doubled, in_double, is_narrower};
 use numbers::AlignedNumbers;
 use operations::{Elastic, EnergyBookkeeping, LawState, Material, Moduli, Rates, Rest, StepTerms};
-use survey::Summary;
+use survey::{Shown, Summary, Survey};
 use transfer::NodeScalar;
 
 pub use any_law::AnyLaw;
@@ -107,6 +107,8 @@ struct Block<K, S: NodeScalar, const N: usize, const P: usize> {
     /// That of the last committed static state, from which the elements' own histories follow; none if it is not known.
     committed_displacement: Option<Vec<Quad<f64>>>,
     account: Account<S>,
+    /// What is known of the present step, if it is shown.
+    shown: Mutex<Shown>,
     /// Whether the law is that of a linear skeleton with water in its pores.
     is_linear_ground: bool,
     /// Forces (N) that such ground has without displacement since its reference in dynamic steps, by local node index, and
@@ -149,6 +151,22 @@ where
         !self.is_linear() && self.moduli.resist() && self.kernel.own_history() > 0
     }
 
+    /// Whether the elements condense strains of their own, with which each step begins from a prediction.
+    fn condenses(&self) -> bool {
+        !self.moduli.resist() && self.kernel.own_history() > 0
+    }
+
+    /// What is known of the present step.
+    fn shown_mut(&mut self) -> &mut Shown {
+        (self.shown.get_mut()).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Declares that the state has changed otherwise than by a step.
+    fn restart(&mut self) {
+        self.account.restart();
+        self.shown_mut().begin(&[]);
+    }
+
     fn is_active(&self, element: usize) -> bool {
         self.active.as_ref().is_none_or(|active| active[element])
     }
@@ -169,6 +187,7 @@ where
             step,
             damping,
             rests,
+            shown,
         } = terms;
         let damped = damping != 0.0;
         let follows = self.law.is_stepping() && self.follows_flow();
@@ -221,6 +240,9 @@ where
         } else {
             &changed
         };
+        let is_shown = shown && !self.is_linear();
+        let mut shown = core::mem::take(self.shown_mut());
+        shown.begin(if is_shown { nodes } else { &[] });
         let finite = if self.is_linear() {
             self.elastic(nodes, self.moduli, Some(out), None)
         } else if spares_law {
@@ -251,11 +273,22 @@ where
                 still: still.as_deref(),
                 relaxes: rests,
             };
-            let finite = self.material(nodes, (access, rest), rates, Some(out), None);
+            // The strains of elements that condense, and of states at rest, are others after the forces.
+            let keeps = is_shown && !stores && !self.condenses();
+            let survey = keeps.then(|| {
+                shown.is_whole = self.law.elastic_domain().is_none();
+                (shown.summaries).resize(self.elements.len(), Summary::default());
+                Survey {
+                    out: &mut shown.summaries,
+                    of_spared: false,
+                }
+            });
+            let finite = self.material(nodes, (access, rest), rates, Some(out), survey);
             self.committed_displacement = still;
             (self.account, self.history) = (account, history);
             finite
         };
+        *self.shown_mut() = shown;
         if stores {
             self.static_displacement = changed;
         } else if !changed.is_empty() {
@@ -290,17 +323,20 @@ where
         (history, rest): (HistoryAccess<S>, Rest),
         rates: Option<Rates<S>>,
         out: Option<NodalViewMut>,
-        survey: Option<&mut [Summary]>,
+        survey: Option<Survey>,
     ) -> bool {
         let Some(law) = self.law.current() else {
+            let survey = survey.map(|survey| survey.out);
             return self.elastic(nodes, self.moduli, out, survey);
         };
+        let of_spared = survey.as_ref().is_some_and(|survey| survey.of_spared);
+        let spares = out.is_some() || of_spared;
         let mut exchanges = EXCHANGES.take();
         let writes = matches!(history, HistoryAccess::Write(_));
         let operation = Material::<K, S, N, P> {
             kernel: &self.kernel,
             law,
-            domain: self.law.elastic_domain().filter(|_| survey.is_none()),
+            domain: self.law.elastic_domain().filter(|_| spares),
             lanes: self.lanes,
             batches: self.batches(),
             moduli: self.moduli,
@@ -332,21 +368,29 @@ where
     }
 
     /// Mean stress and stored energies of each element at a displacement relative to the reference (by local
-    /// node index), from the committed history variables.
+    /// node index), from the committed history variables; in a step that is shown the law is not evaluated again.
     fn survey(&self, nodes: &[Quad<f64>]) -> Vec<Summary> {
         if self.is_linear() {
             return self.elastic_survey(nodes);
         }
-        let mut survey = vec![Summary::default(); self.elements.len()];
-        let access = HistoryAccess::Read(&self.history);
-        self.material(
-            nodes,
-            (access, Rest::default()),
-            None,
-            None,
-            Some(&mut survey),
-        );
-        survey
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_shown = shown.is_of(nodes);
+        let mut summaries = Vec::new();
+        if is_shown {
+            summaries = core::mem::take(&mut shown.summaries);
+        }
+        if !(is_shown && shown.is_whole) {
+            let of_spared = !summaries.is_empty();
+            summaries.resize(self.elements.len(), Summary::default());
+            let out = &mut summaries;
+            let access = (HistoryAccess::Read(&self.history), Rest::default());
+            self.material(nodes, access, None, None, Some(Survey { out, of_spared }));
+        }
+        if is_shown {
+            shown.is_whole = true;
+            shown.summaries.clone_from(&summaries);
+        }
+        summaries
     }
 
     /// The same of the initial stiffness.
@@ -364,9 +408,9 @@ where
     ) -> Result<(), ElementFault> {
         let damping = self.coefficient(context);
         self.law.prepare(context.step);
-        // Inactive elements keep their committed history.
-        let in_place = context.history_update == HistoryUpdate::InPlace;
-        self.history.set_in_place(in_place && self.active.is_none());
+        // What reads it and inactive elements keep the committed history; otherwise new variables overwrite it.
+        self.history
+            .set_in_place(!is_read(context) && self.active.is_none());
         let spares_law = self.spares_law(damping);
         let mut sums = self.sums_of(context);
         let balanced = (context.ledger && !spares_law).then_some(&mut sums);
@@ -374,6 +418,7 @@ where
             step: context.step,
             damping,
             rests: context.rests,
+            shown: context.shown,
         };
         let velocity = context.velocity;
         let finite = self.write_forces(displacement, velocity, terms, balanced, out.reborrow());
@@ -411,6 +456,11 @@ where
             }
         });
     }
+}
+
+/// Whether the state with which a step begins is read after its forces.
+fn is_read(context: &BlockContext) -> bool {
+    context.shown || context.repeats
 }
 
 /// The entry of an element in a list with one entry per element, or with one in all.

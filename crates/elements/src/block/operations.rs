@@ -14,7 +14,7 @@ use super::memory::as_lanes;
 use super::numbers::Aligned;
 use super::own::MOST_OWN;
 use super::survey::{
-    FiniteCheck, Summary, complementary_energy, each_lane, linear_energy, saturated_energy,
+    FiniteCheck, Summary, Survey, complementary_energy, each_lane, linear_energy, saturated_energy,
     write_mean,
 };
 use super::transfer::{gather, scatter};
@@ -185,12 +185,13 @@ pub(super) enum Response<L, const P: usize> {
 }
 
 /// What the forces of a step depend on beside the motion: length of the step and coefficient of stiffness damping (s), and
-/// whether the body rests.
+/// whether the body rests; and whether the step is shown.
 #[derive(Clone, Copy)]
 pub(super) struct StepTerms {
     pub(super) step: f64,
     pub(super) damping: f64,
     pub(super) rests: bool,
+    pub(super) shown: bool,
 }
 
 /// Static state of elements with histories of their own: displacement of the last committed one, if it is known, and whether
@@ -246,7 +247,7 @@ pub(super) struct Material<'a, K, S: BatchScalar, const N: usize, const P: usize
     /// Output, if required: forces by local node index.
     pub(super) out: Option<NodalViewMut<'a>>,
     /// Output, if required: one summary per element.
-    pub(super) survey: Option<&'a mut [Summary]>,
+    pub(super) survey: Option<Survey<'a>>,
 }
 
 impl<K, S, const N: usize, const P: usize> BatchOperation<S> for Material<'_, K, S, N, P>
@@ -268,6 +269,7 @@ where
                 || (self.moduli.resist() && self.kernel.own_history() > 0),
             hourglass: self.moduli.resist(),
         };
+        let of_spared = self.survey.as_ref().is_some_and(|survey| survey.of_spared);
         let count = self.batches.count(L::WIDTH);
         let at_once = if self.law.takes_blocks() {
             P * count
@@ -279,9 +281,13 @@ where
         let mut pending = 0;
         for index in 0..count {
             let (modes, strains, own) = self.deformed::<L>(token, index);
-            let elastic = self.elastic_response::<L>(index, &strains);
+            let mut elastic = self.elastic_response::<L>(index, &strains);
+            let by_law = elastic.is_some() == of_spared;
+            if of_spared {
+                elastic = None;
+            }
             let mut end = index;
-            if elastic.is_none() {
+            if by_law {
                 self.exchange
                     .store::<L, N, P>(token, pending, &modes, &strains);
                 if self.kernel.own_history() > 0 {
@@ -292,7 +298,7 @@ where
             }
             let mut of_law = 0;
             let mut has_energies = Energies::None;
-            if pending == capacity || (pending > 0 && (elastic.is_some() || end == count)) {
+            if pending == capacity || (pending > 0 && (!by_law || end == count)) {
                 of_law = core::mem::take(&mut pending);
                 has_energies = self.evaluate::<L>(end - of_law, of_law, required);
                 if self.relaxes {

@@ -234,6 +234,7 @@ where
             values.map(|[x, y, z]| Quad::new(x, y, z)).collect()
         });
         self.forces_at_rest = None;
+        self.shown_mut().begin(&[]);
         let mut account = core::mem::take(&mut self.account);
         let is_balanced = |element: usize| saved.flags[element] & BALANCED != 0;
         let restored = account.restore(saved.account, self.places(), P, balanced, is_balanced);

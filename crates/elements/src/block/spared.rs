@@ -2,8 +2,7 @@
 //! constant ones of the last drained state.
 
 use powerhouse_model::{
-    BlockContext, ElementKernel, Geometry, HistoryUpdate, KernelArithmetic, NodalViewMut, Quad,
-    Vec3,
+    BlockContext, ElementKernel, Geometry, KernelArithmetic, NodalViewMut, Quad, Vec3,
 };
 
 use super::batches::Batches;
@@ -13,7 +12,7 @@ use super::memory::as_lanes;
 use super::operations::Rest;
 use super::pore_water::raise;
 use super::transfer::{NodeScalar, gather};
-use super::{Block, NodalView};
+use super::{Block, NodalView, is_read};
 use crate::lanes::{BatchLane, BatchOperation, BatchScalar};
 
 impl<K, S, const N: usize, const P: usize> Block<K, S, N, P>
@@ -24,8 +23,7 @@ where
     /// Whether the last step, which had a coefficient of stiffness damping (s), spares the law. Elements that condense strains of
     /// their own do so by steps of the law alone.
     pub(super) fn spares_law(&self, damping: f64) -> bool {
-        let condenses = self.kernel.own_history() > 0 && !self.moduli.resist();
-        self.is_linear_ground && damping == 0.0 && self.law.is_stepping() && !condenses
+        self.is_linear_ground && damping == 0.0 && self.law.is_stepping() && !self.condenses()
     }
 
     /// Forces of nodal displacements by local index; returns whether all is finite.
@@ -59,9 +57,9 @@ where
         }
     }
 
-    /// Stores the pressures of the water in a step that is shown.
+    /// Stores the pressures of the water in a step whose state is read.
     pub(super) fn show_pressures(&mut self, context: &BlockContext, displacement: &[Quad<f64>]) {
-        if context.history_update == HistoryUpdate::InPlace {
+        if !is_read(context) {
             return;
         }
         let nodes = self.since_reference(NodalView::F64(displacement));

@@ -1,6 +1,6 @@
 //! Mean stress and stored energies of elements.
 
-use powerhouse_model::{Geometry, Strain, Stress};
+use powerhouse_model::{Geometry, Quad, Strain, Stress};
 
 use super::batches::Batch;
 use super::operations::Moduli;
@@ -16,6 +16,40 @@ pub(super) struct Summary {
     pub(super) elastic: f64,
     /// Energy stored by hourglass forces (J).
     pub(super) hourglass: f64,
+}
+
+/// Where the law writes one summary per element.
+pub(super) struct Survey<'a> {
+    pub(super) out: &'a mut [Summary],
+    /// Whether of the batches alone that are inside the elastic domain, whose law the forces spared.
+    pub(super) of_spared: bool,
+}
+
+/// Summaries in a step that is shown, until its state changes: those of the law as the forces evaluated it, and the others from
+/// the first read on.
+#[derive(Debug, Default)]
+pub(super) struct Shown {
+    /// Displacement of the forces (m), by local node index; empty in other steps.
+    nodes: Vec<Quad<f64>>,
+    /// One summary per element; empty before the first read where the forces leave none.
+    pub(super) summaries: Vec<Summary>,
+    /// Whether the summaries are those of all elements.
+    pub(super) is_whole: bool,
+}
+
+impl Shown {
+    /// Begins a step that is shown with a displacement (m), or another one without any.
+    pub(super) fn begin(&mut self, nodes: &[Quad<f64>]) {
+        self.nodes.clear();
+        self.nodes.extend_from_slice(nodes);
+        self.summaries.clear();
+        self.is_whole = false;
+    }
+    /// Whether the step is shown, and has a displacement (m).
+    pub(super) fn is_of(&self, nodes: &[Quad<f64>]) -> bool {
+        let known = self.nodes.iter().map(|node| node.values);
+        known.eq(nodes.iter().map(|node| node.values))
+    }
 }
 
 /// Calls `put(element, number)` for every active element of a batch.

@@ -13,6 +13,7 @@ mod natural;
 mod pore_water;
 mod remaining;
 mod saved;
+mod shown;
 mod state;
 mod tet10;
 mod water;
@@ -20,9 +21,9 @@ mod water;
 use nalgebra::{DMatrix, SymmetricEigen};
 use powerhouse_model::{
     BlockContext, BlockEnergy, BlockOptions, BlockPart, ConstitutiveLaw, ElasticMedium,
-    ElementBlock, ElementFault, ElementKind, HistoryUpdate, HistoryVariable, Lane, LaneWidth,
-    LawEnergy, LawInput, Mat3, Mesh, MeshError, NodalScalar, NodalView, NodalViewMut, Operator,
-    Precision, Quad, RemainingStiffness, StepTime, Strain, Stress, Vec3,
+    ElementBlock, ElementFault, ElementKind, HistoryVariable, Lane, LaneWidth, LawEnergy, LawInput,
+    Mat3, Mesh, MeshError, NodalScalar, NodalView, NodalViewMut, Operator, Precision, Quad,
+    RemainingStiffness, StepTime, Strain, Stress, Vec3,
 };
 
 use powerhouse_elements::{AnyLaw, Hex8OnePoint, SolidKernel};

@@ -45,10 +45,9 @@ fn in_place_updates_have_the_bits_of_buffered_ones() {
             let views = [NodalView::F64(&u), NodalView::F64(&rest)];
             let context = BlockContext::new(when(step, 1e-4), views[0], views[1]);
             let mut forces = Vec::new();
-            let updates = [HistoryUpdate::InPlace, HistoryUpdate::Buffered];
-            for (fixture, update) in [&mut in_place, &mut buffered].into_iter().zip(updates) {
+            for (fixture, repeats) in [(&mut in_place, false), (&mut buffered, true)] {
                 fixture.block.stateful_mut().unwrap().set_active(&active);
-                let context = context.with_history_update(update);
+                let context = context.with_repeats(repeats);
                 forces.push(fixture.forces_at(&context).unwrap());
                 fixture.block.commit();
             }
@@ -60,8 +59,7 @@ fn in_place_updates_have_the_bits_of_buffered_ones() {
         let rest = zeros(u.len());
         let before = in_place.forces(&u, &rest);
         let views = [NodalView::F64(&more), NodalView::F64(&rest)];
-        let context = BlockContext::new(when(9, 1e-4), views[0], views[1])
-            .with_history_update(HistoryUpdate::InPlace);
+        let context = BlockContext::new(when(9, 1e-4), views[0], views[1]).with_repeats(false);
         in_place.forces_at(&context).unwrap();
         assert!(largest(&in_place.forces(&u, &rest)) < 0.5 * largest(&before));
     }
@@ -117,9 +115,7 @@ fn a_fault_is_found_after_an_in_place_update() {
         (fault.element, &*fault.reason),
         (0, "its stress is not finite")
     );
-    let fault = fixture
-        .forces_at(&context.with_history_update(HistoryUpdate::InPlace))
-        .unwrap_err();
+    let fault = fixture.forces_at(&context.with_repeats(false)).unwrap_err();
     assert_eq!(fault.element, 0);
     assert!(fault.reason.contains("force"), "{}", fault.reason);
 }

@@ -1,8 +1,6 @@
 //! The operations of a step of a slice.
 
-use powerhouse_model::{
-    ForceTerms, HistoryUpdate, MassDampingRule, Quad, RunError, StepTime, Vec3,
-};
+use powerhouse_model::{ForceTerms, MassDampingRule, Quad, RunError, StepTime, Vec3};
 use rayon::prelude::*;
 
 use super::linear::{Inert, kicked};
@@ -299,7 +297,7 @@ impl Model {
     fn evaluate_axial(&mut self, step: f64) {
         self.place_slice(DelayedMotion::half_step_later, Some(Part::Plane));
         self.uncommitted = true;
-        let terms = ForceTerms::PLAIN.with_history_update(HistoryUpdate::InPlace);
+        let terms = ForceTerms::PLAIN.with_repeats(false);
         match self.evaluate(terms, self.half_step(1, step)) {
             Ok(()) => self.update_slice(Part::Axial, step),
             Err(fault) => self.fault = Some(fault),

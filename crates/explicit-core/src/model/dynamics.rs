@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use powerhouse_model::{
-    BlockContext, DividedWork, Dynamics, ElementBlock, ElementFault, ForceTerms, HistoryUpdate,
-    MassDampingRule, Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
+    BlockContext, DividedWork, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
+    Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -141,7 +141,8 @@ fn forces_of<S: Storage>(
                 .with_damping_shift(shift)
                 .with_ledger(ledger)
                 .with_rest(rests)
-                .with_history_update(terms.history_update);
+                .with_shown(terms.shown)
+                .with_repeats(terms.repeats);
             block.forces(&context, S::view_mut(buffer))
         });
     computed.err()
@@ -160,7 +161,7 @@ fn probe<S: Storage>(
     if core::mem::take(&mut evaluation.commit) {
         blocks.par_iter_mut().for_each(|block| block.commit());
     }
-    evaluation.terms.history_update = HistoryUpdate::Buffered;
+    evaluation.terms.repeats = true;
     let plain = BlockTerms {
         ledger: false,
         ..*evaluation
