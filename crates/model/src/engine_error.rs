@@ -315,7 +315,8 @@ pub enum EngineError {
     /// A slowness along y at which the inertia of a node is not positive: P waves of the material are faster than the motion
     /// along y.
     #[error(
-        "at the slowness {slowness:.4e} s/m along y the share of the mass of node {node} that is left is {share:.3}, below {least}: P waves of every material must be slower than the motion along y; take a smaller incidence, or an azimuth nearer to x"
+        "at the slowness {slowness:.4e} s/m along y the share of the mass of node {node} that is left is {share:.3}, below {least}: P waves of every material must be slower than the motion along y; at most {most:.4e} s/m is possible: take the sine of the incidence at most {:.3} times as large, or an azimuth nearer to x",
+        most / slowness
     )]
     DelayedMass {
         /// Number of the node.
@@ -326,6 +327,8 @@ pub enum EngineError {
         share: f64,
         /// Least permitted share (1).
         least: f64,
+        /// Slowness at which the share is the least one (s/m).
+        most: f64,
     },
     /// A slowness of delayed pairs that is not finite.
     #[error("the slowness of delayed pairs along y is {slowness} s/m and must be finite")]

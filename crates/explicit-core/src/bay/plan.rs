@@ -4,7 +4,7 @@ use powerhouse_model::{DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, Oper
 
 use super::skew::Skew;
 use super::{Bay, BayMotion, Copies};
-use crate::delayed::pairs_of_nodes;
+use crate::delayed::{pairs_of_nodes, slowest};
 use crate::node_group::NodeGroup;
 use crate::subdomain::{Numbering, Subdomain};
 
@@ -157,6 +157,7 @@ impl BayPlan {
                     slowness: self.slowness,
                     share,
                     least,
+                    most: slowest(self.slowness, share, least),
                 });
             }
             // The axes along which less is lost have the rest as a mass of their own.

@@ -17,6 +17,11 @@ impl Bay {
         left / (left + self.taken[group])
     }
 
+    /// Engine number of a node of the mesh of a group.
+    pub(crate) fn lead(&self, group: u32) -> u32 {
+        self.leads[group as usize]
+    }
+
     /// Velocity (m/s) of each group in the last half step.
     fn velocity(&self, arrays: &NodalArrays<f64>) -> Vec<Vec3> {
         let of = |node: &u32| arrays.velocity[*node as usize].to_vector();
@@ -175,15 +180,18 @@ impl Model {
             let relaxed: Vec<Vec3> = groups
                 .map(|group| bay.moment(group, |node| elastic[node] - arrays.internal(slots, node)))
                 .collect();
+            let [last, earlier] = &bay.motion.relaxed;
             let groups = self.groups.groups.iter().enumerate();
             let excess = groups.map(|(g, group)| {
                 let members = group.members.iter();
                 let linear: Vec3 = members.map(|node| of_delays[*node as usize]).sum();
-                let before = bay.motion.relaxed.get(g).unwrap_or(&relaxed[g]);
-                linear + (relaxed[g] - before) * (bay.slowness / step)
+                let before = earlier.get(g).or(last.get(g)).unwrap_or(&relaxed[g]);
+                linear + (relaxed[g] - before) * (0.5 * bay.slowness / step)
             });
             bay.excess = excess.collect();
-            (bay.motion.relaxed, bay.motion.predicted) = (relaxed, predicted);
+            bay.motion.relaxed.swap(0, 1);
+            bay.motion.relaxed[0] = relaxed;
+            bay.motion.predicted = predicted;
         }
         done
     }

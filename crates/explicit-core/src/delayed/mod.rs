@@ -40,7 +40,7 @@ pub(crate) use coupling::Coupling;
 pub(crate) use ledger::{DelayedWork, Works};
 pub(crate) use lumping::Lumping;
 pub(crate) use motion::{DelayedMotion, Part};
-pub(crate) use plan::{Axes, check_delayed, pair_up, pairs_of_nodes};
+pub(crate) use plan::{Axes, check_delayed, pair_up, pairs_of_nodes, slowest};
 
 /// A slice whose sides are delayed against each other: its pairs, by group, and its motion.
 pub(crate) struct DelayedSlice {

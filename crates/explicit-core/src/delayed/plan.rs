@@ -240,6 +240,7 @@ impl DelayedSlice {
                 slowness: slice.slowness,
                 share,
                 least: LEAST_SHARE,
+                most: slowest(slice.slowness, share, LEAST_SHARE),
             });
         }
         Ok(slice)
@@ -284,4 +285,9 @@ fn fixed_axes(group: &NodeGroup) -> Option<Axes> {
         held[axis] = true;
     }
     Some(held)
+}
+
+/// Slowness at which a share of a mass is left, where `share` is left at `slowness`: what is lost grows with its square.
+pub(crate) fn slowest(slowness: f64, share: f64, least: f64) -> f64 {
+    slowness * ((1.0 - least) / (1.0 - share)).sqrt()
 }

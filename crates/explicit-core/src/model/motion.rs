@@ -73,11 +73,15 @@ impl Model {
     }
     /// The user's number of a local node; an additional node has its index.
     pub(crate) fn node_tag(&self, node: usize) -> u64 {
-        let index = self.subdomain.numbering.mesh_of[node];
-        let tags = self.mesh.node_tags();
-        tags.get(index as usize)
-            .copied()
-            .unwrap_or(u64::from(index))
+        let index_of = |node: usize| self.subdomain.numbering.mesh_of[node];
+        let tag = |index: u32| self.mesh.node_tags().get(index as usize).copied();
+        // A copy of a bay has the number of its node of the mesh.
+        let of_copy = || {
+            let (bay, group) = (self.bay.as_ref()?, self.group_of[node]?);
+            tag(index_of(bay.lead(group) as usize))
+        };
+        let index = index_of(node);
+        tag(index).or_else(of_copy).unwrap_or(u64::from(index))
     }
     /// The user's number of an element; an additional element has its index.
     pub(crate) fn element_tag(&self, element: u32) -> u64 {
