@@ -64,7 +64,7 @@ pub enum BoundaryError {
     },
     /// A face of a delayed slice that is not parallel to its axis y.
     #[error(
-        "face '{face}' is not parallel to y: a slice under waves along y absorbs at its bottom and sides alone; its front and back are delayed against each other"
+        "face '{face}' is not parallel to y: a body with delayed ends absorbs at its bottom and at its sides across x alone; its front and back are delayed against each other"
     )]
     FaceAcrossAxis {
         /// Name of the face.

@@ -282,9 +282,9 @@ pub enum EngineError {
         /// Number of the partner of several nodes.
         node: u64,
     },
-    /// A node of a delayed slice that is in no pair, or in several.
+    /// A node at a delayed end that is in no pair, or in several.
     #[error(
-        "node {node} is in {count} delayed pairs: every node of a slice under waves along y is in one, with the node on its other side (of a mesh with several layers of elements along y take one: `slice` in [mesh] of a scene cuts it)"
+        "node {node} is in {count} delayed pairs, but every node at the two ends of the body normal to y must be in one, with the node at its other end: the two sets of delayed ends must hold all facets of these ends"
     )]
     DelayedNode {
         /// Number of the node.
@@ -294,7 +294,7 @@ pub enum EngineError {
     },
     /// A delayed pair that is not along y, or farther apart than others.
     #[error(
-        "the nodes {first} and {second} are a delayed pair, but not apart by ({}, {}, {}) m: a slice under waves along y has one layer of elements extruded along y", expected[0], expected[1], expected[2]
+        "the nodes {first} and {second} are a delayed pair, but not apart by ({}, {}, {}) m: delayed ends are normal to y, one of them the other translated along y", expected[0], expected[1], expected[2]
     )]
     DelayedPair {
         /// Number of the first node.
@@ -304,8 +304,8 @@ pub enum EngineError {
         /// Distance of the other pairs (m).
         expected: [f64; 3],
     },
-    /// Something that a delayed slice does not take.
-    #[error("a slice under waves along y does not take {what}: {way}")]
+    /// Something that a body with delayed ends does not take.
+    #[error("a body with delayed ends under waves along y does not take {what}: {way}")]
     DelayedWith {
         /// What it does not take.
         what: String,

@@ -8,7 +8,9 @@ use powerhouse_model::{EngineError, ModelError, RunError, StageError};
 use powerhouse_observe::ObserveError;
 use powerhouse_wavefield::StationError;
 
-use powerhouse_scene::{Error, Fault, MagnitudeOf, Places, SceneFault, SceneText, Subject};
+use powerhouse_scene::{
+    DelayedError, Error, Fault, MagnitudeOf, Places, SceneFault, SceneText, Subject,
+};
 
 /// Hint on a field that is not negligible at the start of a body at rest.
 pub(crate) const NOT_AT_REST: &str =
@@ -69,6 +71,8 @@ pub(crate) struct SceneSpans {
     pub(crate) mirrors: Vec<Range<usize>>,
     /// First wave.
     pub(crate) field: Range<usize>,
+    /// Delayed ends.
+    pub(crate) delayed: Range<usize>,
     /// Start of the run.
     pub(crate) start: Range<usize>,
     /// Time step.
@@ -148,6 +152,7 @@ impl SceneSpans {
                 _ => return None,
             },
             Error::UnusedField { .. } => self.field.clone(),
+            Error::Delayed(error) => return self.of_delayed(error),
             Error::Water(error) => return self.added_masses.get(error.set()).cloned(),
             Error::EmptyRim { set, .. } => return self.rims.get(set).cloned(),
             Error::Staging { stage, source } => {
@@ -165,6 +170,17 @@ impl SceneSpans {
         Some(place)
     }
 
+    fn of_delayed(&self, error: &DelayedError) -> Option<Range<usize>> {
+        let place = match error {
+            DelayedError::Fast { set, .. } => return self.materials.get(set).cloned(),
+            DelayedError::OtherField { .. }
+            | DelayedError::Slownesses { .. }
+            | DelayedError::PastCritical { .. } => &self.field,
+            _ => &self.delayed,
+        };
+        Some(place.clone()).filter(|place| !place.is_empty())
+    }
+
     fn of_source(
         &self,
         source: &(dyn std::error::Error + Send + Sync + 'static),
@@ -179,6 +195,15 @@ impl SceneSpans {
         }
         if let Some(EngineError::ElementSize { set, .. }) = source.downcast_ref() {
             return self.materials.get(set).cloned();
+        }
+        if let Some(
+            EngineError::DelayedNode { .. }
+            | EngineError::DelayedPair { .. }
+            | EngineError::DelayedWith { .. }
+            | EngineError::DelayedMass { .. },
+        ) = source.downcast_ref()
+        {
+            return Some(self.delayed.clone()).filter(|place| !place.is_empty());
         }
         if source.is::<StationError>() {
             return Some(self.field.clone()).filter(|place| !place.is_empty());

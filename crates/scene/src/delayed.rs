@@ -1,13 +1,16 @@
 //! Slices and bays whose sides are delayed against each other: a long structure, or an endless row of bays, along y under waves of any
 //! azimuth.
 
+use std::collections::HashSet;
+
 use powerhouse_elements::BoltLine;
-use powerhouse_model::{DelayedPairs, IncidentField, PeriodicPairs, StiffElements, Vec3};
+use powerhouse_model::{
+    DelayedPairs, Facet, IncidentField, PeriodicPairs, Precision, StiffElements, Support, Vec3,
+};
 use powerhouse_wavefield::{Angle, LayeredWave, PlaneWave, WaveKind};
-use thiserror::Error;
 
 use crate::remark::{Kind, described};
-use crate::{Boundary, Error, InitialMotion, Part, Scene, Topic};
+use crate::{Boundary, DelayedError, Error, InitialMotion, Part, Scene, Topic};
 use powerhouse_laws::Damping;
 
 /// Largest product of the slowness along y and the speed of P waves of a part: of the ground, up to which plane waves are
@@ -27,73 +30,10 @@ const MOST_SHARE: f64 = 0.5;
 const SAME: f64 = 1e-6;
 /// Slowness along y, over that of the wave, below which it travels across y: rounding.
 const ACROSS: f64 = 1e-12;
+/// Component along y of the unit normal of a facet of the ends, of those whose nodes are all in pairs: those of a slice are, too, at its sides.
+const ACROSS_END: f64 = 0.5;
 /// Component along y of the unit vector that a support holds below which it does not hold y: rounding of normals of facets.
 const HELD: f64 = 1e-9;
-
-/// Why a slice with delayed sides is refused.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum DelayedError {
-    /// Several slices.
-    #[error("a scene has one pair of delayed sides, and this is another one")]
-    Twice,
-    /// A field that is no sum of plane waves.
-    #[error(
-        "delayed sides need plane waves (`[[wave]]`), and the field '{field}' is none: take rollers or periodic pairs for waves across the axis, or a body with its whole length"
-    )]
-    OtherField {
-        /// Name of the field.
-        field: String,
-    },
-    /// Waves with different slownesses along y.
-    #[error(
-        "all waves of a slice have one slowness along y, and those of '{first}' and '{second}' are {:.4e} and {:.4e} s/m: give P, SV and SH of one station the same azimuth, and incidences with sin(i_p)/c_p = sin(i_s)/c_s", slownesses[0], slownesses[1]
-    )]
-    Slownesses {
-        /// Name of the first wave.
-        first: String,
-        /// Name of the other one.
-        second: String,
-        /// Their slownesses along y (s/m).
-        slownesses: [f64; 2],
-    },
-    /// A wave past the critical angle.
-    #[error(
-        "wave '{wave}' is past the critical angle: delayed sides take waves below it, of at most {largest:.1} degrees"
-    )]
-    PastCritical {
-        /// Name of the wave.
-        wave: String,
-        /// Largest incidence that is permitted (degrees).
-        largest: f64,
-    },
-    /// A part in which P waves are too fast for the motion along y.
-    #[error(
-        "P waves of part '{set}' travel at {speed:.0} m/s, and the motion along y at {apparent:.0} m/s: the ratio {ratio:.3} must be below {most}; {way}"
-    )]
-    Fast {
-        /// Element set of the part.
-        set: String,
-        /// Speed of its P waves (m/s).
-        speed: f64,
-        /// Apparent speed of the waves along y (m/s).
-        apparent: f64,
-        /// Their ratio (1).
-        ratio: f64,
-        /// Its bound (1).
-        most: f64,
-        /// The largest incidence, in words.
-        way: String,
-    },
-    /// Something that a slice with delayed sides does not take.
-    #[error("a slice with delayed sides does not take {what}: {way}")]
-    With {
-        /// What it does not take.
-        what: String,
-        /// The way out.
-        way: &'static str,
-    },
-}
 
 /// Stiff part of a slice with delayed sides: one in which P waves are faster than the motion along y, or nearly so.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,36 +72,6 @@ fn with(what: impl Into<String>, way: &'static str) -> DelayedError {
     DelayedError::With {
         what: what.into(),
         way,
-    }
-}
-
-/// The times of the results of a bay of an endless row.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct BayTimes {
-    /// y (m) at which the time of the results is that of the waves.
-    pub middle: f64,
-    /// Slowness of the waves along y (s/m).
-    pub slowness: f64,
-    /// Length of the bay (m).
-    pub length: f64,
-}
-
-described!(BayTimes, |_| Kind::Fact(Topic::Run));
-
-impl core::fmt::Display for BayTimes {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self {
-            middle,
-            slowness,
-            length,
-        } = self;
-        write!(
-            f,
-            "a bay of {length} m of an endless row, in which waves travel along y with {slowness:.4e} s/m: the times of all results are those at y = {middle} m, and what happens at another y of the bay happens there later by {:.3} ms per metre, before it earlier; the next bay moves {:.3} ms later",
-            1e3 * slowness,
-            1e3 * slowness * length
-        )
     }
 }
 
@@ -296,33 +206,29 @@ impl Scene {
         Err(with(what, way).into())
     }
 
-    /// What is to be known of the times of a bay; none of any other body.
-    pub(crate) fn bay_times(&self) -> Option<BayTimes> {
-        let slowness = self.slowness_along_y();
-        let (low, high) = self.mesh.bounding_box();
-        (self.is_bay() && slowness != 0.0).then(|| BayTimes {
-            middle: 0.5 * (low.y + high.y),
-            slowness,
-            length: high.y - low.y,
-        })
-    }
-
     /// All plane waves, in homogeneous or in layered ground.
     fn waves_of_slice(&self) -> impl Iterator<Item = SliceWave<'_>> {
         let layered = self.layered.iter().map(SliceWave::layered);
         self.waves.iter().map(SliceWave::homogeneous).chain(layered)
     }
 
-    /// Speed of P waves of the fastest part over that of the motion along y (1) if a slice with delayed sides took the place of this body; none
-    /// where waves, parts or boundary have no place in such a slice, where it is not exact, or where waves travel across y.
+    /// Speed of P waves of the fastest part over that of the motion along y (1) if a slice with delayed sides took the place of this body, a bay
+    /// or one without delayed ends; none where waves, parts, supports, loads or boundary have no place in such a slice, where it is not exact, or
+    /// where waves travel across y.
     pub fn ratio_in_delayed_slice(&self) -> Option<f64> {
         let (first, boundary) = (self.waves_of_slice().next()?, self.boundary.as_ref()?);
-        if self.delayed.is_some() {
+        let is_slice = self.delayed.is_some() && !self.is_bay();
+        let in_double = self.precision == Precision::F64 && self.fibres.is_none();
+        if is_slice || !in_double || !self.waters.is_empty() {
             return None;
         }
         self.check_waves_of_slice().ok()?;
-        self.check_parts_of_slice().ok()?;
+        self.check_parts_of_slice(false).ok()?;
+        self.check_motions_of_slice().ok()?;
         check_boundary_of_slice(boundary).ok()?;
+        if self.is_held_beside_ends() {
+            return None;
+        }
         let speeds = self
             .parts
             .iter()
@@ -376,7 +282,7 @@ impl Scene {
             return Ok(());
         }
         self.check_speeds_of_slice()?;
-        self.check_parts_of_slice()?;
+        self.check_parts_of_slice(self.is_bay())?;
         self.check_company_of_slice()?;
         Ok(())
     }
@@ -400,12 +306,58 @@ impl Scene {
                     slownesses,
                 });
             }
-            if wave.along_y != 0.0 && !wave.is_causal {
-                return Err(DelayedError::PastCritical {
-                    wave: wave.name.into(),
-                    largest: self.largest_incidence(&wave),
-                });
-            }
+            self.check_causal(&wave)?;
+        }
+        Ok(())
+    }
+
+    fn check_causal(&self, wave: &SliceWave) -> Result<(), DelayedError> {
+        if wave.along_y == 0.0 || wave.is_causal {
+            return Ok(());
+        }
+        Err(DelayedError::PastCritical {
+            wave: wave.name.into(),
+            largest: self.largest_incidence(wave),
+        })
+    }
+
+    /// Refuses a plane wave past the critical angle in homogeneous ground, where the body has delayed ends.
+    ///
+    /// # Errors
+    /// [`DelayedError::PastCritical`].
+    pub fn check_wave_at_ends(&self, wave: &PlaneWave) -> Result<(), DelayedError> {
+        let has_ends = self.delayed.is_some();
+        let wave = has_ends.then(|| SliceWave::homogeneous(wave));
+        wave.map_or(Ok(()), |wave| self.check_causal(&wave))
+    }
+
+    /// Refuses a plane wave past a critical angle in layered ground, where the body has delayed ends.
+    ///
+    /// # Errors
+    /// [`DelayedError::PastCritical`].
+    pub fn check_layered_wave_at_ends(&self, wave: &LayeredWave) -> Result<(), DelayedError> {
+        let has_ends = self.delayed.is_some();
+        let wave = has_ends.then(|| SliceWave::layered(wave));
+        wave.map_or(Ok(()), |wave| self.check_causal(&wave))
+    }
+
+    /// Refuses a facet set that is a delayed end among absorbing faces.
+    ///
+    /// # Errors
+    /// [`DelayedError::Absorbing`].
+    pub fn check_absorbing_end(&self, face: &str) -> Result<(), DelayedError> {
+        let Some(delayed) = &self.delayed else {
+            return Ok(());
+        };
+        let ends: HashSet<u32> = (delayed.pairs.iter()).flat_map(|&(a, b)| [a, b]).collect();
+        let is_of_end = |facet: &Facet| {
+            let mut nodes = self.mesh.facet_nodes(*facet).into_iter();
+            nodes.all(|node| ends.contains(&node))
+                && self.mesh.facet_geometry(*facet).normal().y.abs() > ACROSS_END
+        };
+        let facets = self.mesh.facet_set(face).unwrap_or_default();
+        if facets.iter().any(is_of_end) {
+            return Err(DelayedError::Absorbing { face: face.into() });
         }
         Ok(())
     }
@@ -459,9 +411,22 @@ impl Scene {
         Ok(())
     }
 
+    /// Whether supports along y, or periodic pairs, are not at the two ends of the body along y, which those of a slice take the place of.
+    fn is_held_beside_ends(&self) -> bool {
+        let (low, high) = self.mesh.bounding_box();
+        let tolerance = DelayedPairs::AT_END * (high.y - low.y);
+        let y = |node: &u32| self.mesh.positions()[*node as usize].y;
+        let at_end = |node: &u32| (y(node) - low.y).min(high.y - y(node)) <= tolerance;
+        let pairs = self.periodic.iter().flat_map(|pairs| &pairs.pairs);
+        let mut supports = self.supports.iter();
+        pairs
+            .clone()
+            .any(|(a, b)| !(at_end(a) && at_end(b)) || (y(b) - y(a)).abs() <= tolerance)
+            || supports.any(|support| holds_along_y(support) && !support.nodes().iter().all(at_end))
+    }
+
     /// Refuses damping and water of parts.
-    fn check_parts_of_slice(&self) -> Result<(), DelayedError> {
-        let is_bay = self.is_bay();
+    fn check_parts_of_slice(&self, is_bay: bool) -> Result<(), DelayedError> {
         for part in &self.parts {
             let set = &part.set;
             if matches!(part.damping, Damping::Flat { .. }) && !is_bay {
@@ -482,7 +447,6 @@ impl Scene {
 
     /// Refuses joints, bolts, loads and boundaries that have no place in a slice.
     fn check_company_of_slice(&self) -> Result<(), DelayedError> {
-        let whole = "take a body with its whole length along y";
         if let Some(joint) = self.joints.first().filter(|_| !self.is_bay()) {
             let way = "give the mesh two layers of elements along y, a bay, which takes joints, or take a body with its whole length along y";
             return Err(with(format!("joint '{}'", joint.name), way));
@@ -491,6 +455,24 @@ impl Scene {
             let way = "give the mesh two layers of elements along y, a bay, which takes bolts across y, or take a body with its whole length along y";
             return Err(with("bolts", way));
         }
+        if !(self.periodic.is_empty() || self.is_bay()) {
+            return Err(with(
+                "periodic pairs beside them",
+                "absorb at the sides across x",
+            ));
+        }
+        self.check_motions_of_slice()?;
+        if self.supports.iter().any(holds_along_y) {
+            let way = "absorb at the bottom and at the sides across x; the delayed ends need no other support";
+            return Err(with("supports along y", way));
+        }
+        self.boundary
+            .as_ref()
+            .map_or(Ok(()), check_boundary_of_slice)
+    }
+
+    /// Refuses motions, constraints and loads that have no place in a slice.
+    fn check_motions_of_slice(&self) -> Result<(), DelayedError> {
         if !self.prescribed.is_empty() {
             return Err(with(
                 "prescribed motions",
@@ -498,13 +480,8 @@ impl Scene {
             ));
         }
         if !self.constraints.is_empty() {
-            return Err(with("constraints", whole));
-        }
-        if !(self.periodic.is_empty() || self.is_bay()) {
-            return Err(with(
-                "periodic pairs beside them",
-                "absorb at the sides across x",
-            ));
+            let way = "take a body with its whole length along y";
+            return Err(with("constraints", way));
         }
         let all = self
             .loads
@@ -526,27 +503,20 @@ impl Scene {
                 "start at rest",
             ));
         }
-        let along = Vec3::y();
-        let holds_along =
-            |held: Option<Vec3>| held.is_none_or(|held| held.dot(&along).abs() > HELD);
-        if self
-            .supports
-            .iter()
-            .any(|support| holds_along(support.held_direction()))
-        {
-            let way = "absorb at the bottom and at the sides across x; the sides of the slice need no other support";
-            return Err(with("supports along y", way));
-        }
-        self.boundary
-            .as_ref()
-            .map_or(Ok(()), check_boundary_of_slice)
+        Ok(())
     }
+}
+
+/// Whether a support holds y.
+fn holds_along_y(support: &Support) -> bool {
+    let held = support.held_direction();
+    held.is_none_or(|held| held.y.abs() > HELD)
 }
 
 /// Refuses boundaries that do not follow the motion along y.
 fn check_boundary_of_slice(boundary: &Boundary) -> Result<(), DelayedError> {
     if !boundary.through.is_empty() {
-        let way = "what runs along y is in the slice anyhow; end it before the other faces";
+        let way = "what runs along y is in the body anyhow; end it before the other faces";
         return Err(with("structures `through` its faces", way));
     }
     if boundary.region.is_some() {

@@ -71,6 +71,7 @@ impl Scene {
         }
         let medium = field.medium();
         let tag = |node: u32| self.mesh.node_tags()[node as usize];
+        let has_delayed_ends = self.delayed.is_some();
         let mut remarks = Vec::new();
         let share = found.held.0 / found.fastest;
         let held_node = held.nodes.get(found.held.1);
@@ -79,12 +80,18 @@ impl Scene {
         // A field that moves along the restrained directions has traction along the free ones: one warning is enough.
         if let Some(held) = held_node.filter(|_| is_notable(share)) {
             let node = tag(held.node);
-            remarks.push(remark::RestrainedField { share, node }.into());
+            let remark = remark::RestrainedField {
+                share,
+                node,
+                has_delayed_ends,
+            };
+            remarks.push(remark.into());
         } else if let Some(plane) = plane.filter(|_| is_notable(missing)) {
             remarks.push(Remark::from(remark::AsymmetricField {
                 share: missing,
                 node: tag(plane.node),
                 speed: self.apparent_speed(&plane.normal),
+                has_delayed_ends,
             }));
         }
         let share = found.difference.0 / found.fastest;
@@ -104,6 +111,7 @@ impl Scene {
                 nodes: [tag(from), tag(to)],
                 distance: along.norm(),
                 speed: self.apparent_speed(&along.normalize()),
+                has_delayed_ends,
             }));
         }
         Ok(remarks)
@@ -236,7 +244,7 @@ impl Scene {
     /// at both ends of the body.
     pub fn repeated_by(&self) -> Option<&'static str> {
         if self.delayed.is_some() {
-            return Some("a slice");
+            return Some(if self.is_bay() { "a bay" } else { "a slice" });
         }
         if !self.periodic.is_empty() {
             return Some("a body between periodic ends");

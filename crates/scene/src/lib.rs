@@ -19,10 +19,12 @@
 //! nothing else of a file is known here.
 
 mod acting;
+mod bay_times;
 mod body;
 mod boundary;
 mod check_heights;
 mod delayed;
+mod delayed_error;
 mod engine;
 mod error;
 mod fault;
@@ -63,9 +65,11 @@ mod through;
 mod timing;
 mod water_mass;
 
+pub use bay_times::BayTimes;
 pub(crate) use body::Piece;
 pub use boundary::Boundary;
-pub use delayed::{BayTimes, DelayedError, StiffPart};
+pub use delayed::StiffPart;
+pub use delayed_error::DelayedError;
 pub use error::{CheckpointError, Error, FolderError, KeyChangeError};
 pub use fault::{Fault, Problem, SceneFault, SceneText};
 pub use fibre_choice::{FibreChoice, FibreOptions};

@@ -79,6 +79,7 @@ impl Scene {
         let stiff = self.stiff_parts().into_iter();
         remarks.extend(stiff.map(Remark::StiffPart));
         remarks.extend(self.bay_times().map(Remark::BayTimes));
+        remarks.extend(self.relative_in_bay());
         let timeline = Timeline::of(&self)?;
         remarks.extend(self.above_ground(timeline.as_ref()));
         remarks.extend(self.sudden_motions());
@@ -118,6 +119,7 @@ impl Scene {
             for set in &bolts {
                 remarks.extend(self.cut_bolts(set));
             }
+            let pairs: Vec<(u32, u32)> = self.all_pairs().collect();
             let site = OutputSite {
                 mesh: &self.mesh,
                 plan: &self.output,
@@ -127,6 +129,7 @@ impl Scene {
                 parts: &self.parts,
                 joints: &surfaces,
                 bolts: &bolts,
+                pairs: &pairs,
             };
             let mut of_output = Vec::new();
             let (recordings, observers) = Recordings::of(&site, &mut of_output)?;

@@ -168,7 +168,7 @@ fn a_long_body_under_waves_along_it_is_a_slice() {
     for incidence in [10.0, 25.0, 31.0] {
         let [steps, elements] = counts(along(ground(1.0), incidence, &SIDES).part(part()));
         let saving = proposed(along(ground(1.0), incidence, &SIDES).part(part())).unwrap();
-        let Change::DelayedSlice { at } = saving.change else {
+        let Change::DelayedSlice { at, .. } = saving.change else {
             panic!("{saving:?}");
         };
         let layer = ground(1.0).plane_slice(Axis::Y, at).unwrap();
@@ -197,6 +197,46 @@ fn a_long_body_under_waves_along_it_is_a_slice() {
     let parts = ["corner", "rest"].map(|set| Part::new(set, rock()));
     let [corner, rest] = parts;
     assert!(proposed(along(mesh, 25.0, &SIDES).part(corner).part(rest)).is_none());
+
+    // A bay of equal sections is a slice, too; not one with supports or pairs that a slice does not take.
+    let ends = |mesh: &Mesh, names: [&str; 2]| {
+        let [from, to] = names.map(|side| mesh.nodes_of_facets(mesh.facet_set(side).unwrap()));
+        PeriodicPairs::by_translation(mesh, &from, &to, 1e-6).unwrap()
+    };
+    let bay = |incidence: f64, faces: &[&str]| {
+        let mesh = ground(1.0);
+        let pairs = ends(&mesh, ["front", "back"]);
+        let scene = along(mesh, incidence, faces).part(part());
+        scene.with_delayed_sides(pairs)
+    };
+    let faces = ["left", "right", "bottom"];
+    for incidence in [10.0, 25.0] {
+        let [steps, elements] = counts(bay(incidence, &faces));
+        let saving = proposed(bay(incidence, &faces)).unwrap();
+        let Change::DelayedSlice { at, has_ends: true } = saving.change else {
+            panic!("{saving:?}");
+        };
+        let layer = ground(1.0).plane_slice(Axis::Y, at).unwrap();
+        let pairs = ends(&layer, ["front", "back"]);
+        let slice = along(layer, incidence, &faces).part(part());
+        let found = counts(slice.with_delayed_sides(pairs));
+        assert_eq!(found[1] / elements, saving.elements);
+        let ratio = found[0] / steps / saving.steps;
+        assert!((0.85..1.1).contains(&ratio), "{incidence}: {ratio}");
+        assert!(saving.time < 0.1, "{saving}");
+    }
+    let other = ends(&ground(1.0), ["left", "right"]);
+    assert!(proposed(bay(25.0, &["bottom"]).with_periodic_pairs(other.clone())).is_none());
+    let long = along(ground(1.0), 25.0, &["bottom"]).part(part());
+    assert!(proposed(long.with_periodic_pairs(other)).is_none());
+    let bottom = ground(1.0);
+    let bottom = bottom.nodes_of_facets(bottom.facet_set("bottom").unwrap());
+    let held = |nodes| {
+        along(ground(1.0), 25.0, &["left", "right"])
+            .part(part())
+            .support(Support::fixed(nodes))
+    };
+    assert!(proposed(held(bottom)).is_none());
 }
 
 /// A body with a constant section needs one layer, nearer faces leave the predicted number of elements, and a few thin

@@ -1,5 +1,7 @@
 //! Virtual work of internal forces.
 
+use std::collections::HashMap;
+
 use powerhouse_model::{Mesh, StepView, Vec3};
 
 /// Number of stress resultants of a section.
@@ -18,19 +20,35 @@ pub(super) struct Functional {
 }
 
 impl Functional {
-    /// The functionals of virtual motions of nodes, given by `virtual_motion(node)` (mesh index).
+    /// The functionals of virtual motions of nodes, given by `virtual_motion(node)` (mesh index). `original(element)` is the element of the
+    /// body of which an element of the mesh is a copy, itself for most: copies of an element have its forces, and the sum of their motions.
     pub(super) fn new(
         mesh: &Mesh,
         elements: &[u32],
+        original: impl Fn(u32) -> u32,
         virtual_motion: impl Fn(u32) -> [Vec3; RESULTANTS],
     ) -> Self {
-        let nodes = elements.iter().flat_map(|&element| mesh.nodes_of(element));
-        Self {
-            elements: (elements.iter())
-                .map(|&element| (element, mesh.nodes_of(element).len()))
-                .collect(),
-            motions: nodes.map(|&node| virtual_motion(node)).collect(),
+        let mut functional = Self {
+            elements: Vec::new(),
+            motions: Vec::new(),
+        };
+        let mut first_of: HashMap<u32, usize> = HashMap::new();
+        for &element in elements {
+            let nodes = mesh.nodes_of(element);
+            let first = *first_of.entry(original(element)).or_insert_with(|| {
+                let first = functional.motions.len();
+                functional.elements.push((original(element), nodes.len()));
+                let still = [Vec3::zeros(); RESULTANTS];
+                functional.motions.resize(first + nodes.len(), still);
+                first
+            });
+            for (sums, &node) in functional.motions[first..].iter_mut().zip(nodes) {
+                for (sum, motion) in sums.iter_mut().zip(virtual_motion(node)) {
+                    *sum += motion;
+                }
+            }
         }
+        functional
     }
 
     /// Mesh indices of the elements.

@@ -5,6 +5,7 @@ mod pieces;
 mod plane;
 mod ramp;
 mod ring;
+mod unfolded;
 
 use powerhouse_model::{
     Cadence, Fields, Flow, Mesh, ModelError, Observer, Reach, Selection, StateError, StepView, Vec3,
@@ -13,8 +14,9 @@ use powerhouse_model::{
 use super::{HistoryTable, ObserveError, Recording, check_cadence, table_cadence};
 use functional::Functional;
 pub use pieces::SectionPiece;
-use plane::{Plane, intersect};
+use plane::{Intersection, Plane, intersect};
 pub use ring::{RingSection, SectionRing};
+use unfolded::Unfolded;
 
 /// A cross section: a named plane through elements, of which section forces are recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +34,16 @@ pub struct CrossSection {
     /// Box (lower and upper corner, m) of the [centroids](Mesh::centroid) of the elements to be included, which selects
     /// one of the two sections of a plane through a ring; none includes all elements.
     pub within: Option<(Vec3, Vec3)>,
+}
+
+impl CrossSection {
+    /// Whether a centroid (m) is in the box of the section.
+    fn is_within(&self, centroid: &Vec3) -> bool {
+        let inside = |(low, high): (Vec3, Vec3)| {
+            (0..3).all(|i| low[i] <= centroid[i] && centroid[i] <= high[i])
+        };
+        self.within.is_none_or(inside)
+    }
 }
 
 /// Geometry of a section: area, centroid, extents and axes.
@@ -97,6 +109,9 @@ pub struct SectionGeometry {
 /// plane. A body of a single element between two ends shows its mean. Where the elements on the two sides of a plane differ in length,
 /// two ramps are interpolated in the same way.
 ///
+/// Of a body that [repeats](Self::with_joined_ends) along the normal of a section a ramp goes on in the next period, so that the
+/// resultants on its two ends are the same, and those of a body of one layer of elements are the same everywhere in it.
+///
 /// Cost: at each observation the law is evaluated once more in the elements next to the plane.
 /// Memory: per section 144 bytes a node of each of these elements; 8 per column and row.
 ///
@@ -122,6 +137,8 @@ pub struct SectionGeometry {
 pub struct SectionForces {
     cadence: Cadence,
     sections: Vec<Sensor>,
+    /// Pairs of nodes (mesh indices) at opposite ends of a body that repeats beyond them.
+    pairs: Vec<(u32, u32)>,
     row: Vec<f64>,
     recording: Recording<HistoryTable>,
 }
@@ -155,9 +172,18 @@ impl SectionForces {
         Ok(Self {
             cadence,
             sections: Vec::new(),
+            pairs: Vec::new(),
             row: Vec::new(),
             recording: Recording::default(),
         })
+    }
+
+    /// Joins the two ends of a body that repeats beyond them, by their pairs of nodes (mesh indices) of one motion or one that is delayed, for the
+    /// sections that are added afterwards: those normal to the translation of the pairs are not at an end anywhere.
+    #[must_use]
+    pub fn with_joined_ends(mut self, pairs: impl IntoIterator<Item = (u32, u32)>) -> Self {
+        self.pairs.extend(pairs);
+        self
     }
 
     /// Adds a section through some elements (mesh indices), of which bars and elements that the plane
@@ -198,15 +224,26 @@ impl SectionForces {
                     .is_some(),
             }
         })?;
-        let ramp = intersection.ramp(mesh, &chosen);
+        let unfolded = self.unfolded(mesh, section, &plane(true), elements)?;
+        let (body, chosen, ramp) = match &unfolded {
+            Some((unfolded, intersection)) => {
+                let all = unfolded.elements();
+                let ramp = intersection.ramp(&unfolded.mesh, &all);
+                (&unfolded.mesh, all, ramp)
+            }
+            None => {
+                let ramp = intersection.ramp(mesh, &chosen);
+                (mesh, chosen, ramp)
+            }
+        };
         let geometry = intersection.geometry(mesh, section, along, ramp.cuts_end);
         let axes = [geometry.normal, geometry.across, geometry.along];
         let share = |node: u32| {
-            let position = mesh.positions()[node as usize];
+            let position = body.positions()[node as usize];
             ramp.factor((position - section.point).dot(&normal))
         };
         let virtual_motion = |node: u32| {
-            let position = &mesh.positions()[node as usize];
+            let position = &body.positions()[node as usize];
             let share = share(node);
             core::array::from_fn(|k| {
                 let rigid = match k {
@@ -217,12 +254,16 @@ impl SectionForces {
             })
         };
         let is_strained = |&element: &u32| {
-            let mut shares = mesh.nodes_of(element).iter().map(|&node| share(node));
+            let mut shares = body.nodes_of(element).iter().map(|&node| share(node));
             let first = shares.next();
             shares.any(|other| Some(other) != first)
         };
         let strained: Vec<u32> = chosen.iter().copied().filter(is_strained).collect();
-        let functional = Functional::new(mesh, &strained, virtual_motion);
+        let original = |element: u32| {
+            let unfolded = unfolded.as_ref();
+            unfolded.map_or(element, |(body, _)| body.originals[element as usize])
+        };
+        let functional = Functional::new(body, &strained, original, virtual_motion);
         {
             let mut table = self.recording.lock();
             for (column, unit) in COLUMNS {
@@ -234,6 +275,27 @@ impl SectionForces {
             functional,
         });
         Ok(&self.sections[self.sections.len() - 1].geometry)
+    }
+
+    /// The body beside itself where it repeats along the normal of a section, with its intersection with the plane; none elsewhere.
+    fn unfolded(
+        &self,
+        mesh: &Mesh,
+        section: &CrossSection,
+        plane: &Plane,
+        elements: &[u32],
+    ) -> Result<Option<(Unfolded, Intersection)>, ObserveError> {
+        let found = Unfolded::around(mesh, plane, &self.pairs, section, elements)?;
+        Ok(found.and_then(|unfolded| {
+            let all = unfolded.elements();
+            let other = Plane {
+                own_positive: !plane.own_positive,
+                ..*plane
+            };
+            let cut = intersect(&unfolded.mesh, *plane, &all)
+                .or_else(|| intersect(&unfolded.mesh, other, &all))?;
+            Some((unfolded, cut))
+        }))
     }
 
     /// Geometries of all sections, in the order in which they were added.
@@ -275,10 +337,7 @@ fn axes(section: &CrossSection) -> Result<(Vec3, Vec3), ObserveError> {
 fn elements_in_box(mesh: &Mesh, section: &CrossSection, elements: &[u32]) -> Vec<u32> {
     let in_box = |&element: &u32| {
         let centroid = mesh.centroid(element);
-        let inside = |(low, high): (Vec3, Vec3)| {
-            (0..3).all(|i| low[i] <= centroid[i] && centroid[i] <= high[i])
-        };
-        mesh.kind(element).is_solid() && section.within.is_none_or(inside)
+        mesh.kind(element).is_solid() && section.is_within(&centroid)
     };
     elements.iter().copied().filter(in_box).collect()
 }

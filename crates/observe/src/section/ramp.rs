@@ -13,7 +13,7 @@ type Range = [f64; 2];
 
 /// Distance from the plane, in lengths of an element, within which ends of the body are looked for: more than the farthest
 /// node that a ramp and its correction reach.
-const REACH: f64 = 3.5;
+pub(super) const REACH: f64 = 3.5;
 /// Cosine of the angle between the normals of a section and of a facet above which the facet is an end, not a side.
 const END: f64 = 0.5;
 /// Distance of the centre of a ramp from the plane, in lengths of an element, up to which it is not corrected.

@@ -10,6 +10,7 @@ mod principal;
 mod ring;
 mod section;
 mod section_ends;
+mod section_periods;
 mod snapshots;
 
 use powerhouse_model::{Observer, StepView, Stress, Vec3};

@@ -47,6 +47,7 @@ mod record_sets;
 mod region;
 mod rings;
 mod runs;
+mod sections_of_periods;
 mod smaller;
 mod specs;
 mod stage_loads;

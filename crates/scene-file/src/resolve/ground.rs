@@ -337,6 +337,8 @@ fn quiet(
     let mut quiet = Vec::with_capacity(waves.len());
     for (wave, origin) in waves.into_iter().zip(origins) {
         let refused = |error: ModelError| Fault::refused(origin.incidence.clone(), error);
+        let of_ends = scene.check_wave_at_ends(&wave);
+        of_ends.map_err(|error| Fault::refused(origin.incidence.clone(), error))?;
         let top = match wave.parameters().site {
             Site::HalfSpace { surface } => high.z.min(surface),
             Site::FullSpace => high.z,

@@ -57,7 +57,14 @@ pub(super) fn joints(
         let surface = JointSurface::between(&mesh, first, second, &options);
         let surface = surface.map_err(|error| Fault::refused(span.clone(), error))?;
         let mut joint = SceneJoint::new(section.name.to_string(), surface, law);
-        start(&Names { mesh: &mesh }, section, &mut joint)?;
+        start(
+            &Names {
+                mesh: &mesh,
+                layer: None,
+            },
+            section,
+            &mut joint,
+        )?;
         joints.push(joint);
     }
     Ok((mesh, joints))

@@ -353,6 +353,8 @@ fn quiet(
     let mut quiet: Vec<(LayeredWave, Option<QuietStart>)> = Vec::with_capacity(waves.len());
     for (wave, origin) in waves.into_iter().zip(origins) {
         let refused = |error: ModelError| Fault::refused(origin.incidence.clone(), error);
+        let of_ends = scene.check_layered_wave_at_ends(&wave);
+        of_ends.map_err(|error| Fault::refused(origin.incidence.clone(), error))?;
         let level = wave.start_level(points, scene.start).map_err(refused)?;
         if level.largest() < limits.threshold {
             quiet.push((wave, None));

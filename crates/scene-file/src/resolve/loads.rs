@@ -60,12 +60,8 @@ pub(super) fn supports(
             spec::Support::Periodic { from, to } => {
                 scene.periodic.push(paired(names, from, to)?);
             }
-            spec::Support::Delayed { from, to } => {
-                if scene.delayed.is_some() {
-                    return Err(Fault::refused(support.span(), DelayedError::Twice));
-                }
-                scene.scene.delayed = Some(paired(names, from, to)?);
-            }
+            // They are known before the waves are.
+            spec::Support::Delayed { .. } => {}
             spec::Support::Prescribed {
                 set,
                 direction: along,
@@ -102,6 +98,43 @@ pub(super) fn supports(
                 scene.prescribed.push(prescribed.into());
             }
         }
+    }
+    Ok(())
+}
+
+/// Takes the delayed ends of a scene, which must be normal to y and may not absorb.
+pub(super) fn delayed_ends(
+    names: &Names,
+    file: &spec::SceneSpec,
+    scene: &mut Draft,
+) -> Result<(), Fault> {
+    for support in &file.supports {
+        let spec::Support::Delayed { from, to } = &**support else {
+            continue;
+        };
+        let refused = |error| Err(Fault::refused(support.span(), error));
+        if scene.delayed.is_some() {
+            return refused(DelayedError::Twice);
+        }
+        let pairs = paired(names, from, to)?;
+        if let Some(&(a, b)) = pairs.pairs.first() {
+            let at = names.mesh.positions();
+            let apart = at[b as usize] - at[a as usize];
+            let (low, high) = names.mesh.bounding_box();
+            if apart.x.hypot(apart.z) > PERIODIC_TOLERANCE * (high - low).norm() {
+                return refused(DelayedError::NotAlong {
+                    from: from.to_string(),
+                    to: to.to_string(),
+                    apart: apart.into(),
+                });
+            }
+        }
+        scene.scene.delayed = Some(pairs);
+        scene.places.delayed = support.span();
+    }
+    for face in file.boundary.iter().flat_map(|section| &section.faces) {
+        let checked = scene.check_absorbing_end(face);
+        checked.map_err(|error| Fault::refused(face.span(), error))?;
     }
     Ok(())
 }

@@ -22,7 +22,7 @@ mod water_warning;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use powerhouse_model::{Facet, Mesh, MeshError, Vec3};
+use powerhouse_model::{Axis, Facet, Mesh, MeshError, Vec3};
 
 use crate::spec::{self, Allowance, At, Finite, Load, NonNegative, Registered, SceneSpec};
 use crate::{CheckpointPlan, Registry, keys, registry};
@@ -50,7 +50,10 @@ pub(crate) fn compose(
     let (mesh, of_mesh, in_use) = mesh::mesh(text, file, registry)?;
     check_rims(&mesh, file)?;
     let (mesh, joints) = joints::joints(mesh, &file.joints, registered.joint_laws)?;
-    let names = Names { mesh: &mesh };
+    let names = Names {
+        mesh: &mesh,
+        layer: file.mesh.slice.as_ref().map(|slice| slice.across),
+    };
     check_parts(&names, file)?;
     check_kernels(&names, file, &parts)?;
 
@@ -170,6 +173,7 @@ pub(crate) fn compose(
     let warnings = water_warning::warnings(&mesh, file, &materials, &scene.parts)?;
     scene.remarks.extend(warnings);
     scene.remarks.extend(empty_sets(&names, file));
+    loads::delayed_ends(&names, file, &mut scene)?;
     let of_layers = equivalent_linear::apply(file, &mut scene, &records, &mut materials)?;
     scene = ground::field((text, file), scene, &records, &materials, &of_layers)?;
     damping::default_rims(file, &mut scene)?;
@@ -503,6 +507,18 @@ fn part_count(
 /// Resolver of the set names and numbers of a mesh.
 struct Names<'m> {
     mesh: &'m Mesh,
+    /// Axis across which the mesh is one layer of another one.
+    layer: Option<Axis>,
+}
+
+/// A point outside of the layer of elements that a scene takes from its mesh.
+#[derive(Debug, thiserror::Error)]
+#[error("{point}; `slice` in [mesh] takes the layer of elements from {axis} = {low} to {high} m")]
+struct OutsideLayer {
+    point: MeshError,
+    axis: char,
+    low: f64,
+    high: f64,
 }
 
 impl<'m> Names<'m> {
@@ -513,6 +529,20 @@ impl<'m> Names<'m> {
     }
     fn facets(&self, name: &At<String>) -> Result<&'m [Facet], Fault> {
         self.mesh.facet_set(name).map_err(|e| no_such_set(name, e))
+    }
+    /// Fault of a point that lies in no element.
+    fn outside(&self, at: &At<[Finite; 3]>, point: MeshError) -> Fault {
+        let Some(axis) = self.layer else {
+            return Fault::refused(at.span(), point);
+        };
+        let (low, high) = self.mesh.bounding_box();
+        let error = OutsideLayer {
+            point,
+            axis: axis.name(),
+            low: low[axis.index()],
+            high: high[axis.index()],
+        };
+        Fault::refused(at.span(), error)
     }
     /// Checks that a node number exists.
     fn node(&self, number: &At<u64>) -> Result<(), Fault> {

@@ -387,7 +387,7 @@ impl Site<'_> {
                 mesh.locate_among(&all, &[spot.position], spot.tolerance)
             }
         };
-        located.map_err(|error| Fault::refused(at.span(), error))?;
+        located.map_err(|error| self.names.outside(at, error))?;
         Ok(spot)
     }
 

@@ -77,6 +77,8 @@ pub struct OutputSite<'a> {
     pub(crate) parts: &'a [Part],
     pub(crate) joints: &'a [NamedSurface],
     pub(crate) bolts: &'a [&'a BoltSet],
+    /// Pairs of nodes at opposite ends of a body that repeats beyond them.
+    pub(crate) pairs: &'a [(u32, u32)],
 }
 
 impl OutputSite<'_> {

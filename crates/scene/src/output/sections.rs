@@ -27,6 +27,7 @@ impl OutputItem for Sections {
         }
         let remarks = &mut into.remarks;
         let mut forces = SectionForces::new(site.cadence()).map_err(model)?;
+        forces = forces.with_joined_ends(site.pairs.iter().copied());
         let mut capacities = Vec::new();
         for request in &plan.cuts {
             let is_there = |e: &u32| site.present.is_none_or(|present| present[*e as usize]);

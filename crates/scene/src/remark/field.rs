@@ -2,8 +2,14 @@
 
 use powerhouse_model::Vec3;
 
-/// The way out for slices along y.
-const DELAYED: &str = "; both sides of a slice of a long structure along y may be `[[support]] kind = \"delayed\"`, under waves of any azimuth";
+/// The way out for slices along y, of a body whose ends are not delayed already.
+fn delayed(has_delayed_ends: bool) -> &'static str {
+    if has_delayed_ends {
+        ""
+    } else {
+        "; both sides of a slice of a long structure along y may be `[[support]] kind = \"delayed\"`, under waves of any azimuth"
+    }
+}
 
 remark! {
     /// Warning: supports restrain nodes in a direction in which the free field moves with more than 1 % of its largest
@@ -13,10 +19,13 @@ remark! {
         pub share: f64,
         /// Number of the node with this velocity in the mesh file.
         pub node: u64,
+        /// Whether the body has delayed ends.
+        pub has_delayed_ends: bool,
     }
     Warning(Input),
-    "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves{DELAYED}",
-    100.0 * share
+    "the supports restrain node {node} in a direction in which the free field moves with {:.1} % of its largest velocity: they reflect the incident waves{}",
+    100.0 * share,
+    delayed(*has_delayed_ends)
 }
 
 remark! {
@@ -30,11 +39,14 @@ remark! {
         /// Least apparent speed of the plane waves along the normal of the plane (m/s); none for other fields, and
         /// for waves that travel along the plane.
         pub speed: Option<f64>,
+        /// Whether the body has delayed ends.
+        pub has_delayed_ends: bool,
     }
     Warning(Input),
-    "on the side of node {node} the free field has a traction of {:.1} % of the wave stress (impedance of S waves times largest velocity) in directions that the supports leave free: rollers make that side a plane of symmetry, which the field does not have{}; let the waves travel along that side (`azimuth`), or make it absorbing{DELAYED}",
+    "on the side of node {node} the free field has a traction of {:.1} % of the wave stress (impedance of S waves times largest velocity) in directions that the supports leave free: rollers make that side a plane of symmetry, which the field does not have{}; let the waves travel along that side (`azimuth`), or make it absorbing{}",
     100.0 * share,
-    travels(*speed, "through that side")
+    travels(*speed, "through that side"),
+    delayed(*has_delayed_ends)
 }
 
 remark! {
@@ -52,14 +64,17 @@ remark! {
         /// Least apparent speed of the plane waves along the pair (m/s); none for other fields, and for waves that
         /// travel across the pair.
         pub speed: Option<f64>,
+        /// Whether the body has delayed ends.
+        pub has_delayed_ends: bool,
     }
     Warning(Input),
-    "the free field moves the periodic pair of nodes {} and {}, {distance:.3} m apart, differently, by {:.1} % of its largest velocity, and strains it by {:.1} % of the wave strain (largest velocity over speed of S waves), but periodic pairs move as one{}; let the waves travel across the pairs (`azimuth`), or make both sides absorbing{DELAYED}",
+    "the free field moves the periodic pair of nodes {} and {}, {distance:.3} m apart, differently, by {:.1} % of its largest velocity, and strains it by {:.1} % of the wave strain (largest velocity over speed of S waves), but periodic pairs move as one{}; let the waves travel across the pairs (`azimuth`), or make both sides absorbing{}",
     nodes[0],
     nodes[1],
     100.0 * share,
     100.0 * strain,
-    travels(*speed, "along the pair")
+    travels(*speed, "along the pair"),
+    delayed(*has_delayed_ends)
 }
 
 remark! {

@@ -217,6 +217,7 @@ remarks! {
         BeyondCapacity(BeyondCapacity),
         PartialRing(PartialRing),
         NoState(NoState),
+        RelativeInBay(RelativeInBay),
         Undersampled(Undersampled),
         SparseEnvelope(SparseEnvelope),
         ShortInterval(ShortInterval),

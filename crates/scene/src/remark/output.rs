@@ -15,6 +15,24 @@ remark! {
     "history '{name}' requests the state of element {element}, whose law has no history variables"
 }
 
+remark! {
+    /// Warning: a relative displacement is that of two places at different y of a bay with delayed ends, each at a time of its own.
+    pub struct RelativeInBay {
+        /// Name of the request.
+        pub name: String,
+        /// Distance along y of the place from the other one (m).
+        pub apart: f64,
+        /// Time by which the motion of the place is that of later waves than the motion of the other one (s).
+        pub delay: f64,
+    }
+    Warning(Histories),
+    "the relative displacement '{name}' is that of two places {:.3} m apart along y in a bay with delayed ends, each at its own time, {:.3} ms apart: it lacks what the waves between the two times add, up to {:.3e} s times the velocity, and between the two ends it is zero; take places at one y, or histories of both, of which the one at the larger y is shifted {} by that time",
+    apart.abs(),
+    1e3 * delay.abs(),
+    delay.abs(),
+    if delay * apart < 0.0 { "earlier" } else { "later" }
+}
+
 /// Warning after the run: the sampling interval of an acceleration history is too long for its frequencies: fewer than
 /// about six samples per period around its peak, or samples that miss a twentieth of the greatest band-limited acceleration, of
 /// instants that of all steps.

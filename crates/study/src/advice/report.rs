@@ -97,6 +97,10 @@ impl fmt::Display for BoundaryAdvice {
                 }
                 writeln!(
                     f,
+                    "  azimuths are not considered: waves travel in the section of the prediction, as they do across a long structure"
+                )?;
+                writeln!(
+                    f,
                     "  99 % of the energy of velocity below {:.2} Hz, mean frequency {:.2} Hz",
                     band.highest,
                     band.mean()

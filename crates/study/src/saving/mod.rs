@@ -89,6 +89,8 @@ pub enum Change {
     DelayedSlice {
         /// Coordinate of the layer along y (m).
         at: f64,
+        /// Whether the body has delayed ends, which become those of the slice.
+        has_ends: bool,
     },
     /// Absorbing faces nearer to the structure.
     NearerFaces {
@@ -128,10 +130,17 @@ impl fmt::Display for Change {
                 "one layer of elements (`slice = {{ across = \"{}\", at = {at} }}`), if loads and supports are constant along the axis",
                 axis.name()
             ),
-            Self::DelayedSlice { at } => write!(
-                f,
-                "one layer of elements under waves along it (`slice = {{ across = \"y\", at = {at} }}`, and `[[support]] kind = \"delayed\"` in place of what is at the ends along y), if loads are constant along the axis"
-            ),
+            Self::DelayedSlice { at, has_ends } => {
+                let ends = if *has_ends {
+                    ""
+                } else {
+                    ", and `[[support]] kind = \"delayed\"` in place of what is at the ends along y"
+                };
+                write!(
+                    f,
+                    "one layer of elements under waves along it (`slice = {{ across = \"y\", at = {at} }}`{ends}, with the places of outputs in this layer), if loads are constant along the axis"
+                )
+            }
             Self::NearerFaces { share } => {
                 write!(
                     f,

@@ -31,6 +31,15 @@ fn changes() -> [ChangeOfLevel; 4] {
     ]
 }
 
+/// Whether a body with delayed ends under waves along y takes a change.
+fn is_taken(scene: &Scene, of: &ChangeOfLevel) -> bool {
+    match of.change {
+        Change::Mixed | Change::Fibres => false,
+        Change::FlatDamping => scene.is_bay(),
+        _ => true,
+    }
+}
+
 /// A scene, unchanged and with single changes.
 pub(super) struct Variants {
     pub(super) own: WindowScene,
@@ -59,7 +68,8 @@ impl Variants {
             registry: registry.clone(),
         };
         let factors = factors(scene, spec);
-        let changed = changes().into_iter().filter_map(|of| {
+        let is_taken = |of: &ChangeOfLevel| scene.slowness_along_y() == 0.0 || is_taken(scene, of);
+        let changed = changes().into_iter().filter(is_taken).filter_map(|of| {
             let factor = factors.iter().find(|other| other.name == of.factor)?;
             Some(ChangedScene {
                 change: of.change,
