@@ -346,7 +346,8 @@ fn stiff_parts_come_with_a_warning_up_to_a_bound() {
         let text = GROUND.replacen("[[wave]]", &format!("{part}[[wave]]"), 1);
         let own = format!("incidence = {incidence}\nazimuth = 90");
         let text = text.replacen("incidence = 25\nazimuth = 60", &own, 1);
-        let scene = scene_on(&mesh, &text).unwrap().into_scene();
+        let scene = scene_on(&mesh, &text).map_err(|error| error.to_string())?;
+        let scene = scene.into_scene();
         let stiff = scene.stiff_parts();
         let simulation = scene.prepare().map_err(|error| error.to_string())?;
         let warnings = simulation.remarks().iter().filter(|r| r.is_warning());

@@ -50,7 +50,7 @@ scatterer = [0, 0, -50]
 spreading = "cylindrical"
 [time]
 duration = 0.25
-step = 4e-4
+step = 2.5e-4
 [output]
 every = 0.01
 "#;
@@ -154,10 +154,10 @@ fn a_bay_shows_the_sections_of_two() {
                 }
             }
         }
-        // The ends are one place.
+        // The ends are one place, and another one has other forces.
         assert!(difference((&one, 0), (&one, 5), "moment_across") < 1e-9);
         let inside = difference((&one, 0), (&one, 3), "moment_across");
-        assert!(inside > 0.05, "{inside}");
+        assert!(inside > 0.01, "{inside}");
     }
 }
 
