@@ -390,6 +390,24 @@ fn changes_of_a_file_save_as_predicted() {
     );
 }
 
+/// Of a slice under waves along it no change is tried that it refuses: single precision, fibres, flat damping.
+#[test]
+fn what_a_slice_refuses_is_not_proposed() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../data/scenes/tunnel_along.toml"
+    );
+    let scene = FileScene::from_file(path).unwrap();
+    assert!(scene.slowness_along_y() > 0.0);
+    let report = check(scene).unwrap();
+    assert!(report.refused.is_empty(), "{:?}", report.refused);
+    let is_other = |saving: &Saving| {
+        let refused = [Change::Mixed, Change::Fibres, Change::FlatDamping];
+        !refused.contains(&saving.change)
+    };
+    assert!(report.savings.iter().all(is_other), "{:?}", report.savings);
+}
+
 /// Stages that are completed during the timing have their measured time and corrections; their memory is more than that
 /// of the run.
 #[test]
