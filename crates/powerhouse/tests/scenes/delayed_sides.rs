@@ -571,7 +571,7 @@ fn faults_of_delayed_ends_are_named_with_their_line() {
         (
             0,
             "incidence = 25\n",
-            "incidence = 45\narrival = -1\n",
+            "incidence = 45\narrival = -0.2\n",
             "incidence =",
             "past the critical angle",
         ),
