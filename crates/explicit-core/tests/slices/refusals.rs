@@ -162,7 +162,7 @@ fn a_slice_refuses_what_it_does_not_take() {
         ("a delayed pair", "9999", with_pairs(unknown, own)),
         (
             "not apart by (0, 4, 0) m",
-            "one layer of elements",
+            "translated along y",
             with_pairs(crossed, own),
         ),
         ("must be finite", "NaN", with_pairs(all.clone(), f64::NAN)),
