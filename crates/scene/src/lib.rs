@@ -61,6 +61,7 @@ mod simulation;
 mod soundness;
 mod stage;
 mod surroundings;
+mod threads;
 mod through;
 mod timing;
 mod water_mass;

@@ -1,8 +1,8 @@
-//! Checks of magnitudes, names, threads and supports of a scene, from a file or composed.
+//! Checks of magnitudes, names and supports of a scene, from a file or composed.
 
 use std::collections::BTreeSet;
 
-use powerhouse_model::{BoundaryParts, Mesh, Support, Vec3};
+use powerhouse_model::{BoundaryParts, DisjointSets, Mesh, Support, Vec3};
 
 use crate::magnitude::{self, Magnitude, MagnitudeOf, rounded};
 use crate::output::{NamedThing, check_names};
@@ -118,20 +118,6 @@ impl Scene {
         }
     }
 
-    /// Number of computing threads: as requested, at most those of the machine; `None` for all.
-    pub(crate) fn threads_taken(&self) -> Option<usize> {
-        let available = available_threads();
-        self.threads.map(|wanted| wanted.min(available))
-    }
-
-    /// Adds a warning about a number of threads above that of the machine.
-    pub fn check_threads(&mut self) {
-        let available = available_threads();
-        if let Some(wanted) = self.threads.filter(|wanted| *wanted > available) {
-            self.remark_once(remark::Threads { wanted, available });
-        }
-    }
-
     /// Checks that names can be names of files, and that no two have the same file.
     pub fn check_names(&self) -> Result<(), Error> {
         check_names(self.named()).map_err(|(_, error)| error.into())
@@ -176,7 +162,7 @@ impl Scene {
         }
         let mut warnings = Vec::new();
         let held = self.held_along(acceleration.normalize(), boundary);
-        let mut bodies = Bodies::of(&self.mesh);
+        let mut bodies = bodies(&self.mesh);
         for joint in &self.joints {
             for pair in &joint.surface.pairs {
                 bodies.join(pair.nodes[0], pair.nodes[1]);
@@ -261,36 +247,14 @@ fn longest_edges(mesh: &Mesh) -> impl Iterator<Item = f64> {
     })
 }
 
-/// Number of threads of the machine.
-fn available_threads() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-/// Bodies of connected nodes (union-find).
-struct Bodies(Vec<u32>);
-
-impl Bodies {
-    fn of(mesh: &Mesh) -> Self {
-        let mut bodies = Self((0..mesh.node_count() as u32).collect());
-        for element in 0..mesh.element_count() as u32 {
-            let nodes = mesh.nodes_of(element);
-            for node in &nodes[1..] {
-                bodies.join(nodes[0], *node);
-            }
+/// Bodies of connected nodes.
+fn bodies(mesh: &Mesh) -> DisjointSets {
+    let mut bodies = DisjointSets::new(mesh.node_count());
+    for element in 0..mesh.element_count() as u32 {
+        let nodes = mesh.nodes_of(element);
+        for node in &nodes[1..] {
+            bodies.join(nodes[0], *node);
         }
-        bodies
     }
-    /// Representative node of the body of a node.
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.0[node as usize] != node {
-            let next = self.0[node as usize];
-            self.0[node as usize] = self.0[next as usize];
-            node = next;
-        }
-        node
-    }
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
+    bodies
 }
