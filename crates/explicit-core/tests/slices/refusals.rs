@@ -168,7 +168,7 @@ fn a_slice_refuses_what_it_does_not_take() {
         ("must be finite", "NaN", with_pairs(all.clone(), f64::NAN)),
         (
             "share of the mass",
-            "smaller incidence",
+            "s/m is possible: take the sine of the incidence at most 0.",
             with_pairs(all.clone(), 0.999 / rock().p_speed()),
         ),
         (
