@@ -172,7 +172,7 @@ fn what_a_bay_takes_and_what_it_does_not() {
                 "from = \"left\", to = \"right\"",
                 1,
             ),
-            "delayed pair",
+            "delayed ends are normal to y",
         ),
     ] {
         let refused = match scene(&text) {

@@ -10,6 +10,7 @@ mod cast_joints;
 mod code_spectra;
 mod crack_bands;
 mod damping;
+mod delayed_faults;
 mod delayed_sides;
 mod fibres;
 mod former_keys;

@@ -511,16 +511,6 @@ struct Names<'m> {
     layer: Option<Axis>,
 }
 
-/// A point outside of the layer of elements that a scene takes from its mesh.
-#[derive(Debug, thiserror::Error)]
-#[error("{point}; `slice` in [mesh] takes the layer of elements from {axis} = {low} to {high} m")]
-struct OutsideLayer {
-    point: MeshError,
-    axis: char,
-    low: f64,
-    high: f64,
-}
-
 impl<'m> Names<'m> {
     fn elements(&self, name: &At<String>) -> Result<&'m [u32], Fault> {
         self.mesh
@@ -529,20 +519,6 @@ impl<'m> Names<'m> {
     }
     fn facets(&self, name: &At<String>) -> Result<&'m [Facet], Fault> {
         self.mesh.facet_set(name).map_err(|e| no_such_set(name, e))
-    }
-    /// Fault of a point that lies in no element.
-    fn outside(&self, at: &At<[Finite; 3]>, point: MeshError) -> Fault {
-        let Some(axis) = self.layer else {
-            return Fault::refused(at.span(), point);
-        };
-        let (low, high) = self.mesh.bounding_box();
-        let error = OutsideLayer {
-            point,
-            axis: axis.name(),
-            low: low[axis.index()],
-            high: high[axis.index()],
-        };
-        Fault::refused(at.span(), error)
     }
     /// Checks that a node number exists.
     fn node(&self, number: &At<u64>) -> Result<(), Fault> {

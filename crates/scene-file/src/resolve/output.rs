@@ -3,7 +3,7 @@
 use core::ops::Range;
 use std::collections::BTreeMap;
 
-use powerhouse_model::{ModelError, Vec3};
+use powerhouse_model::{MeshError, ModelError, Vec3};
 use powerhouse_observe::{
     AccelerationRule, CrossSection, JointQuantities, Motion, ObservationPoint, Place,
     SectionReinforcement, SectionRing, SnapshotFields, StressPlace,
@@ -387,7 +387,7 @@ impl Site<'_> {
                 mesh.locate_among(&all, &[spot.position], spot.tolerance)
             }
         };
-        located.map_err(|error| self.names.outside(at, error))?;
+        located.map_err(|error| outside(self.names, at, error))?;
         Ok(spot)
     }
 
@@ -477,4 +477,29 @@ fn ring(names: &Names, request: &Ring, plan: OutputPlan) -> Result<OutputPlan, F
             };
             Fault::new(request.centre.span(), problem)
         })
+}
+
+/// A point outside of the layer of elements that a scene takes from its mesh.
+#[derive(Debug, thiserror::Error)]
+#[error("{point}; `slice` in [mesh] takes the layer of elements from {axis} = {low} to {high} m")]
+struct OutsideLayer {
+    point: MeshError,
+    axis: char,
+    low: f64,
+    high: f64,
+}
+
+/// Fault of a point that lies in no element.
+fn outside(names: &Names, at: &At<[Finite; 3]>, point: MeshError) -> Fault {
+    let Some(axis) = names.layer else {
+        return Fault::refused(at.span(), point);
+    };
+    let (low, high) = names.mesh.bounding_box();
+    let error = OutsideLayer {
+        point,
+        axis: axis.name(),
+        low: low[axis.index()],
+        high: high[axis.index()],
+    };
+    Fault::refused(at.span(), error)
 }
