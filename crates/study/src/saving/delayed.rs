@@ -62,7 +62,7 @@ pub(super) fn slice(scene: &Scene) -> Result<Option<Saving>, StudyError> {
     let steps = of_body / step(&STEPS, ratio);
     let law = usize::from(!is_linear);
     let source = if has_ends {
-        "it has none of its own, every section moves as the one before it did"
+        "it has none of its own, every section moves as the one before it did; its times are those at this y, not those in the middle of the bay"
     } else {
         "it has none of its own, every section moves as the one before it did; that of the ends of the body is gone"
     };
