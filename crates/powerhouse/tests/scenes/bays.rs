@@ -183,6 +183,25 @@ fn what_a_bay_takes_and_what_it_does_not() {
     }
 }
 
+/// A case may have a precision of its own, as a bay needs where the scene is computed in mixed precision.
+#[test]
+fn a_case_has_its_own_precision() {
+    let folder = Folder::new("bays-precision");
+    write_gmsh(folder.join("bay.msh"), &mesh(9.0)).unwrap();
+    let text = BAY.replacen("title = ", "precision = \"mixed\"\ntitle = ", 1);
+    let cases = "[[case]]\nname = \"mixed\"\n[[case]]\nname = \"double\"\nprecision = \"f64\"\n";
+    let prepared = |case: &str| {
+        let text = format!("{text}{cases}");
+        let (path, registry) = (folder.join("bay.toml"), Registry::default());
+        FileScene::case_from_toml(text, path, case, &registry)?
+            .into_scene()
+            .prepare()
+    };
+    let refused = prepared("mixed").err().unwrap().to_string();
+    assert!(refused.contains("double precision"), "{refused}");
+    prepared("double").unwrap();
+}
+
 /// A bay that is excavated, lined and bolted in stages, from a stress of the ground that grows with depth, moves under nearly vertical waves as the same body with periodic
 /// ends does under vertical ones. What is cast begins at the displacement of its stage.
 #[test]

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{At, Ground, InSituStress, Layer, MeshFile, Motion, SceneSpec, Support, Wave};
+use super::{
+    At, Ground, InSituStress, Layer, MeshFile, Motion, Precision, SceneSpec, Support, Wave,
+};
 
 /// A case of a sweep: a variant of the scene with another mesh, other waves, ground, absorbing faces or supports,
 /// without some of its joints, or with changed keys in some of its tables. Everything else is as in the scene.
@@ -20,6 +22,8 @@ pub struct Case {
     /// longer than the others; false by default.
     #[serde(default)]
     pub on_request: bool,
+    /// Floating-point precision of the case; that of the scene by default.
+    pub precision: Option<Precision>,
     /// Mesh of the case; that of the scene by default.
     pub mesh: Option<MeshFile>,
     /// Waves of the case, in place of all waves of the scene; those of the scene by default.
@@ -114,6 +118,9 @@ impl SceneSpec {
             varies: case.varies.clone(),
             continuous: !case.continuous.is_empty(),
         });
+        if let Some(precision) = case.precision {
+            file.precision = precision;
+        }
         if let Some(mesh) = &case.mesh {
             file.mesh = mesh.clone();
         }
