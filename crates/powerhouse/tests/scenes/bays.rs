@@ -311,7 +311,7 @@ support = [{ kind = "delayed", from = "front", to = "back" }]
 material = [
     { name = "rock", law = "mohr-coulomb", young = 9e9, poisson = 0.25, density = 2400, cohesion = 0.4e6, friction = 35, dilation = 25, tensile_strength = 0.2e6 },
     { name = "concrete", law = "plastic-damage", preset = "C25", surface = "mohr-coulomb", tension = { fracture_energy = 280 } },
-    { name = "air", law = "elastic", young = 1e6, poisson = 0.2, density = 10 },
+    { name = "air", law = "elastic", young = 1e6, poisson = 0.2, density = 200 },
 ]
 part = [
     { set = "rock", material = "rock", elastic_rim = 6, damping = { kind = "flat", ratio = 0.02, band = [0.5, 20] } },
