@@ -19,7 +19,7 @@
 //! Laws that are not linear have forces that are less than those of `K` by `r`. They are evaluated at a velocity that is extrapolated from
 //! the last two, the linear part of which is taken off again, and `s d(sum of o r)/dtau` is its change in the last two steps. With that of one
 //! step a motion that alternates from step to step would grow where a share `a` of the mass is `s^2 A` and `a / (1 - a)` exceeds half (`r` of all
-//! of `K`, as of elements that have cracked); with that of two steps where it exceeds 1.24, for less than all of `K` never earlier.
+//! of `K`, as of elements that have cracked); with that of two steps where it exceeds 1.24, for less than all of `K` never earlier. This counts no joints.
 //!
 //! Embedded elements, such as bolts, act on nodes of their own, which move as their node of the mesh does, without a delay: right for elements
 //! across y.
