@@ -102,6 +102,28 @@ pub enum Place {
     NodeSet(String),
 }
 
+impl Place {
+    /// Mesh indices of the nodes of a location without coordinates; none for a point, and for a node or set that the mesh lacks.
+    pub fn nodes(&self, mesh: &Mesh) -> Vec<u32> {
+        match self {
+            Self::Point(_) => Vec::new(),
+            Self::Node(tag) => index_of(mesh.node_tags(), *tag).into_iter().collect(),
+            Self::NodeSet(name) => mesh.nodes_of_set(name).unwrap_or_default(),
+        }
+    }
+
+    /// The points (m) whose mean motion is that of the location; none for a node or set that the mesh lacks.
+    pub fn points(&self, mesh: &Mesh) -> Vec<Vec3> {
+        match self {
+            Self::Point(spot) => vec![spot.position],
+            Self::Node(_) | Self::NodeSet(_) => {
+                let nodes = self.nodes(mesh).into_iter();
+                nodes.map(|node| mesh.positions()[node as usize]).collect()
+            }
+        }
+    }
+}
+
 impl From<Vec3> for Place {
     fn from(position: Vec3) -> Self {
         Self::Point(ObservationPoint::at(position))

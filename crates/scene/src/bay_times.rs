@@ -1,6 +1,6 @@
 //! Times of the results of a bay of an endless row.
 
-use powerhouse_model::{DelayedPairs, Vec3};
+use powerhouse_model::DelayedPairs;
 use powerhouse_observe::Place;
 
 use crate::output::RelativeRequest;
@@ -75,22 +75,8 @@ impl Scene {
 
     /// Coordinate y (m) of a place, of a set the mean of its nodes; none of a place that is not in the mesh.
     fn y_of(&self, place: &Place) -> Option<f64> {
-        let position =
-            |node: u32| -> Option<Vec3> { self.mesh.positions().get(node as usize).copied() };
-        match place {
-            Place::Point(point) => Some(point.position.y),
-            Place::Node(tag) => {
-                let index = self.mesh.node_tags().iter().position(|own| own == tag)?;
-                Some(self.mesh.positions()[index].y)
-            }
-            Place::NodeSet(name) => {
-                let nodes = self.mesh.nodes_of_set(name).ok()?;
-                let sum: f64 = nodes
-                    .iter()
-                    .filter_map(|&node| Some(position(node)?.y))
-                    .sum();
-                (!nodes.is_empty()).then(|| sum / nodes.len() as f64)
-            }
-        }
+        let points = place.points(&self.mesh);
+        let sum: f64 = points.iter().map(|point| point.y).sum();
+        (!points.is_empty()).then(|| sum / points.len() as f64)
     }
 }

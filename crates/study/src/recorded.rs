@@ -28,7 +28,7 @@ impl Recorded {
         for place in places {
             match place {
                 Place::Point(spot) => recorded.add_spot(mesh, spot),
-                Place::Node(_) | Place::NodeSet(_) => recorded.nodes.extend(nodes_of(mesh, place)),
+                Place::Node(_) | Place::NodeSet(_) => recorded.nodes.extend(place.nodes(mesh)),
             }
         }
         for request in plan.stresses.iter().chain(&plan.state.places) {
@@ -63,18 +63,5 @@ impl Recorded {
         let found = mesh.locate_among(&among, &[spot.position], spot.tolerance);
         let found = found.into_iter().flatten();
         self.elements.extend(found.map(|location| location.element));
-    }
-}
-
-/// The nodes of an output location without coordinates; none for a set that does not exist, which is an error when
-/// the scene is prepared.
-pub(crate) fn nodes_of(mesh: &Mesh, place: &Place) -> Vec<u32> {
-    match place {
-        Place::Point(_) => Vec::new(),
-        Place::Node(tag) => {
-            let known = mesh.node_tags().iter().position(|other| other == tag);
-            known.map(|node| node as u32).into_iter().collect()
-        }
-        Place::NodeSet(name) => mesh.nodes_of_set(name).unwrap_or_default(),
     }
 }

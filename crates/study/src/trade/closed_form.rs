@@ -1,6 +1,5 @@
 //! Closed-form solution of a scene without a structure: its incident field.
 
-use powerhouse::engine::observe::Place;
 use powerhouse::io::TableColumn;
 use powerhouse::model::{FieldMotion, Vec3};
 use powerhouse::spec::{At, Support};
@@ -8,7 +7,6 @@ use powerhouse::{Damping, Error, Scene, SceneSpec};
 
 use crate::StudyError;
 use crate::advice::inner_free_surface;
-use crate::recorded::nodes_of;
 
 /// Reason in a scene's keys why its motion differs from the incident field.
 fn disturbance(spec: &SceneSpec) -> Option<&'static str> {
@@ -73,7 +71,7 @@ pub(super) fn closed_form(
     }
     let mut columns = vec![TableColumn::new("time", "s", times.to_vec())];
     for request in &scene.output().histories {
-        let points = points(scene, &request.place);
+        let points = request.place.points(scene.mesh());
         let sampler = field.prepare(&points).map_err(Error::from)?;
         let mut motions = vec![FieldMotion::default(); points.len()];
         let mut found = [const { Vec::new() }; 6];
@@ -106,16 +104,4 @@ pub(super) fn closed_form(
         }
     }
     Ok(columns)
-}
-
-/// The points whose mean motion is recorded at an output location.
-fn points(scene: &Scene, place: &Place) -> Vec<Vec3> {
-    let mesh = scene.mesh();
-    match place {
-        Place::Point(spot) => vec![spot.position],
-        Place::Node(_) | Place::NodeSet(_) => {
-            let nodes = nodes_of(mesh, place).into_iter();
-            nodes.map(|node| mesh.positions()[node as usize]).collect()
-        }
-    }
 }
