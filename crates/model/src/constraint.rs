@@ -130,7 +130,9 @@ pub struct NodeCoupling {
 /// Condition on the motion of some nodes, enforced by correcting predicted velocities.
 ///
 /// A node belongs to at most one constraint of a model. [`correct`](Self::correct) is called once in every time step, and
-/// by static solutions, of dynamic relaxation in every iteration; it may change velocities by
+/// by static solutions, of dynamic relaxation in every iteration. Where predicted velocities depend on those of other nodes after
+/// the step, as in a bay of an endless row, it is called several times in a step, from the same state; a constraint that has a state without
+/// joints is refused there. It may change velocities by
 /// `step * inverse_mass * force` only. What a constraint of joints, of parts, of coupled nodes or with a history has in
 /// addition is behind a method that returns none by default.
 ///
@@ -227,6 +229,10 @@ pub trait JointConstraint {
     fn take_back(&mut self, _share: f64) {}
     /// Ends an increment of a dynamic relaxation. By default nothing changes.
     fn end_relaxation(&mut self) {}
+    /// Keeps the state before a step that is [corrected](Constraint::correct) several times.
+    fn keep_state(&mut self);
+    /// Returns to the state that was kept.
+    fn return_to_kept(&mut self);
 }
 
 /// Parts of a constraint, each of which several processes may correct by itself, with their work.

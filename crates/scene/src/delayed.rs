@@ -17,9 +17,9 @@ use powerhouse_laws::Damping;
 /// exact to the discretisation, and of a structure in it.
 const MOST_IN_GROUND: f64 = 0.99;
 const MOST_IN_STRUCTURE: f64 = 1.6;
-/// The same of all parts of a bay: of linear ones, and of those with other laws, whose forces are extrapolated in time.
+/// The same of all parts of a bay: of linear ones, and of those with other laws.
 const MOST_IN_BAY: f64 = 0.95;
-const MOST_OF_LAWS: f64 = 0.707;
+const MOST_OF_LAWS: f64 = 0.9;
 /// Component along y of the direction of a bolt up to which it is across y.
 const ALONG: f64 = 0.02;
 /// The same product of a structure above which it is stiff: a part of its inertia along the axis is moved to the ground around it.
@@ -208,8 +208,11 @@ impl Scene {
 
     /// All plane waves, in homogeneous or in layered ground.
     fn waves_of_slice(&self) -> impl Iterator<Item = SliceWave<'_>> {
-        let layered = self.layered.iter().map(SliceWave::layered);
-        self.waves.iter().map(SliceWave::homogeneous).chain(layered)
+        let layered = self.layered_waves().iter().map(SliceWave::layered);
+        self.plane_waves()
+            .iter()
+            .map(SliceWave::homogeneous)
+            .chain(layered)
     }
 
     /// Speed of P waves of the fastest part over that of the motion along y (1) if a slice with delayed sides took the place of this body, a bay
@@ -289,7 +292,7 @@ impl Scene {
 
     fn check_waves_of_slice(&self) -> Result<(), DelayedError> {
         let Some(first) = self.waves_of_slice().next() else {
-            let field = self.field.as_ref();
+            let field = self.field();
             return field.map_or(Ok(()), |field| {
                 Err(DelayedError::OtherField {
                     field: field.name().into(),

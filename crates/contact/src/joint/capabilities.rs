@@ -108,6 +108,20 @@ impl<L: ContactLaw> JointConstraint for Joint<L> {
         self.prepared = None;
         true
     }
+
+    fn keep_state(&mut self) {
+        let (records, history, effort) = &mut self.kept;
+        records.clone_from(&self.records);
+        history.clone_from(&self.history);
+        *effort = self.effort;
+    }
+
+    fn return_to_kept(&mut self) {
+        let (records, history, effort) = &self.kept;
+        self.records.clone_from(records);
+        self.history.clone_from(history);
+        self.effort = *effort;
+    }
 }
 
 impl<L: ContactLaw> DividedConstraint for Joint<L> {

@@ -161,6 +161,8 @@ pub struct Joint<L> {
     unresolved: Option<(String, f64)>,
     /// State at the start of an increment of a dynamic relaxation, during it.
     start: Option<Start>,
+    /// States and history variables of the pairs that were kept, and the effort until then.
+    kept: (Vec<JointRecord>, Vec<f64>, Effort),
 }
 
 /// Largest [ratio](ContactLaw::softening_ratio) of softening that a step resolves.
@@ -251,6 +253,7 @@ impl<L: ContactLaw> Joint<L> {
             prepared: None,
             unresolved: None,
             start: None,
+            kept: Default::default(),
         }
     }
 

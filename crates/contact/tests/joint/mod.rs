@@ -8,6 +8,7 @@ mod history;
 mod impact;
 mod limit;
 mod pairs;
+mod repeated;
 mod threads;
 
 use powerhouse_model::{

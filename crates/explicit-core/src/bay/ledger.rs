@@ -1,8 +1,9 @@
 //! Energy of a bay.
 //!
-//! What the elements store is that of the strain of `U` with `-s V` along y. With `s V.t_y` it adds up to the energy that the scheme keeps:
-//! kinetic and strain energy less `s` times the flux of energy along y. In the scheme of linear bodies
-//! the same sum is `1/2 V.(M - s^2 A) V + 1/2 U.K U`.
+//! In the scheme of linear bodies `1/2 V.(M - s^2 A) V + 1/2 U.K U` stays what it is: kinetic and strain energy less `s` times the flux
+//! of energy along y. What laws lack of linear forces, `r` at the strain `e` half way between two steps, does the work
+//! `(r- + r+).(e+ - e-) / 2` in a step, but for the change of `s V.(sum of o r)`. So the sum that stays has what the elements store and dissipate at
+//! `e+` in place of `1/2 e+.K e+`.
 
 use powerhouse_model::{Operator, Quad, Vec3};
 
@@ -24,15 +25,22 @@ impl Model {
     /// Displacements (m) of the nodes of all blocks for their energies, in a bay whose elements are not all linear; empty for other bodies, whose
     /// energies are those of the displacements of the nodes.
     pub(crate) fn displacements_of_bay(&self) -> Vec<Option<Vec<Quad<f64>>>> {
-        let is_wanted = self.bay.as_ref().is_some_and(|bay| !bay.is_linear);
-        let blocks = if is_wanted {
-            0..self.blocks.len()
-        } else {
-            0..0
+        let placed = self
+            .bay
+            .as_ref()
+            .map_or(&[][..], |bay| &bay.solution.placed);
+        if placed.is_empty() {
+            return Vec::new();
+        }
+        let of = |block: usize| {
+            let nodes = self.subdomain.nodes_of(block).iter();
+            Some(
+                nodes
+                    .map(|&node| Quad::from_vector(&placed[node as usize]))
+                    .collect(),
+            )
         };
-        blocks
-            .map(|block| self.delayed_displacement(block))
-            .collect()
+        (0..self.blocks.len()).map(of).collect()
     }
 
     /// Energies of a bay between kick and drift; none of any other body.
@@ -58,39 +66,28 @@ impl Model {
         let Nodes::F64(arrays) = &self.nodes else {
             return None;
         };
-        let slots = &self.subdomain.slots;
-        let internal = |node: usize| arrays.internal(slots, node);
-        let groups = self.groups.groups.iter().zip(&velocity);
-        let power = groups.map(|(group, v)| bay.moment(group, internal).dot(v));
-        let power: f64 = power.sum();
-        let nodes = 0..self.mass.len();
-        let delays: Vec<Vec3> = nodes
-            .clone()
-            .map(|node| bay.delay(node, |g| velocity[g]))
-            .collect();
-        // The forces are those at another velocity, and change with it nearly as linear ones do.
-        let predicted = &bay.motion.predicted;
-        let late = |g: usize| {
-            predicted
-                .get(g)
-                .map_or_else(Vec3::zeros, |v| velocity[g] - v)
-        };
-        let late: Vec<Vec3> = nodes.map(|node| bay.delay(node, late)).collect();
         let slowness = bay.slowness;
+        let ([after, before], next) = (&bay.motion.lacking, &self.groups.motion.next);
+        let pending = after.iter().zip(before).zip(next);
+        let pending = pending.map(|(([force, moment], [earlier, moment_before]), v)| {
+            let change = (moment - moment_before) * slowness;
+            let impulse = (force + earlier) * (0.5 * step) + change;
+            v.dot(&(impulse * 0.5 - moment * slowness))
+        });
+        let pending: f64 = pending.sum();
         let forces = arrays.forces.clone();
-        let elastic = self.elastic_product(Operator::Elastic, &delays, &|_| 1.0);
-        let of_late = self.elastic_product(Operator::Elastic, &late, &|_| 1.0);
+        let moved: Vec<Vec3> = arrays.displacement.iter().map(|u| u.to_vector()).collect();
+        let placed = bay.solution.placed.clone();
+        let [of_moved, of_placed] = [moved, placed].map(|places| {
+            let product = self.elastic_product(Operator::Elastic, &places, &|_| 1.0);
+            let both = places.iter().zip(&product);
+            0.5 * both.map(|(u, f)| u.dot(f)).sum::<f64>()
+        });
         if let Nodes::F64(arrays) = &mut self.nodes {
             arrays.forces = forces;
         }
-        let bay = self.bay.as_ref()?;
-        let groups = self.groups.groups.iter().zip(&velocity);
-        let late: f64 = groups
-            .map(|(group, v)| bay.moment(group, |node| of_late[node]).dot(v))
-            .sum();
-        let of_delays: f64 = elastic.iter().zip(&delays).map(|(f, u)| f.dot(u)).sum();
         Some(BayEnergy {
-            flux: slowness * (power + late) + 0.5 * of_delays,
+            flux: pending + of_moved - of_placed,
             less,
             lent,
         })

@@ -1,6 +1,8 @@
 //! Bays of a model: check of their pairs, matrices, inertia.
 
-use powerhouse_model::{DelayedPairs, ElementBlock, EngineError, Mat3, Mesh, Operator, Vec3};
+use powerhouse_model::{
+    Constraint, DelayedPairs, ElementBlock, EngineError, ForceTerms, Mat3, Mesh, Operator, Vec3,
+};
 
 use super::skew::Skew;
 use super::{Bay, BayMotion, Copies};
@@ -8,10 +10,10 @@ use crate::delayed::{pairs_of_nodes, slowest};
 use crate::node_group::NodeGroup;
 use crate::subdomain::{Numbering, Subdomain};
 
-/// Least share of the mass of a node that the slowness may leave, and that of a node of elements that are not linear: forces that are
-/// extrapolated from the step before act with `s^2 A` on what is left, and would grow where it is the smaller part.
+/// Least share of the mass of a node that the slowness may leave, and that of a node of elements that are not linear: the less is left the more
+/// iterations a step takes.
 const LEAST_SHARE: f64 = 0.05;
-const LEAST_SHARE_OF_LAWS: f64 = 0.5;
+const LEAST_SHARE_OF_LAWS: f64 = 0.19;
 
 /// Refuses pairs that are not those of the two ends of a bay.
 ///
@@ -49,6 +51,23 @@ pub(crate) fn check_bay(mesh: &Mesh, delayed: &DelayedPairs) -> Result<(), Engin
             what: "elements in which P waves are faster than the motion along y".into(),
             way: "take a smaller incidence, or an azimuth nearer to x",
         });
+    }
+    Ok(())
+}
+
+/// Refuses constraints that cannot correct a step several times from the same state.
+///
+/// # Errors
+/// [`EngineError::DelayedWith`] for one that has a state without joints.
+pub(crate) fn check_constraints(constraints: &[Box<dyn Constraint>]) -> Result<(), EngineError> {
+    for constraint in constraints {
+        if constraint.saved().is_some() && constraint.jointed().is_none() {
+            let name = constraint.name();
+            return Err(EngineError::DelayedWith {
+                what: format!("constraint '{name}', which has a state without joints"),
+                way: "give it `Constraint::jointed`, whose state is kept and taken back",
+            });
+        }
     }
     Ok(())
 }
@@ -176,7 +195,8 @@ impl BayPlan {
             taken,
             is_linear,
             motion: BayMotion::default(),
-            excess: Vec::new(),
+            solution: super::Solution::default(),
+            terms: ForceTerms::PLAIN,
         })
     }
 

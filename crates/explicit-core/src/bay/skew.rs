@@ -93,13 +93,6 @@ impl Skew {
         self.offsets[group] as usize..self.offsets[group + 1] as usize
     }
 
-    /// Product with a vector of all groups.
-    pub(super) fn times(&self, x: &[Vec3], out: &mut Vec<Vec3>) {
-        out.resize(x.len(), Vec3::zeros());
-        let out = out.par_iter_mut().with_min_len(CHUNK).enumerate();
-        out.for_each(|(group, out)| *out = self.row(group, x));
-    }
-
     /// Product of the rows of a group with a vector of all groups.
     fn row(&self, group: usize, x: &[Vec3]) -> Vec3 {
         let own = self.entries_of(group);

@@ -2,14 +2,13 @@
 
 use std::borrow::Cow;
 
-use powerhouse_model::{ForceTerms, MassDampingRule, Mat3, Operator, Quad, RunError, Vec3};
-use rayon::prelude::*;
+use powerhouse_model::{ForceTerms, MassDampingRule, Mat3, Quad, RunError, Vec3};
 
-use super::Bay;
+use super::{Bay, Solution};
 use crate::Model;
 use crate::groups::Groups;
 use crate::node_group::NodeGroup;
-use crate::nodes::{NodalArrays, Nodes};
+use crate::nodes::Nodes;
 
 impl Bay {
     /// Share of the mass of a group (kg) that it has as inertia, which is left of it.
@@ -20,12 +19,6 @@ impl Bay {
     /// Engine number of a node of the mesh of a group.
     pub(crate) fn lead(&self, group: u32) -> u32 {
         self.leads[group as usize]
-    }
-
-    /// Velocity (m/s) of each group in the last half step.
-    fn velocity(&self, arrays: &NodalArrays<f64>) -> Vec<Vec3> {
-        let of = |node: &u32| arrays.velocity[*node as usize].to_vector();
-        self.leads.iter().map(of).collect()
     }
 
     /// Displacement (m) that an engine node has beside that of its group, by a velocity (m/s) of the groups.
@@ -40,63 +33,94 @@ impl Bay {
         nodes.map(|node| value(node) * self.place[node].1).sum()
     }
 
-    /// Adds the delay to the predicted velocities of the groups.
+    /// Begins the solution of a step from the predicted velocities, which have all forces but those that laws lack of linear ones.
     fn turn(&mut self, groups: &mut Groups, (rule, step): (MassDampingRule, f64)) -> bool {
-        let constrained = groups.constrained();
-        let (coefficients, all) = (&groups.coefficients, &groups.groups);
-        let motion = &mut groups.motion;
-        let response = |g: usize, force: &Vec3| coefficients[g].inverse * force;
-        if !self.excess.is_empty() {
-            for (g, (next, excess)) in motion.next.iter_mut().zip(&self.excess).enumerate() {
-                *next += response(g, excess) * step;
-            }
-        }
-        let mut b: Vec<Vec3> = (motion.previous.iter().zip(&motion.next))
-            .map(|(before, after)| before + after)
-            .collect();
-        if self.motion.free.len() == constrained && constrained > 0 {
-            let mut changed = vec![Vec3::zeros(); all.len()];
-            for ((changed, free), now) in
-                (changed.iter_mut().zip(&self.motion.free)).zip(&motion.previous)
-            {
-                *changed = now - free;
-            }
-            let mut turned = Vec::new();
-            self.skew.times(&changed, &mut turned);
-            for (g, (b, turned)) in b.iter_mut().zip(&turned).enumerate() {
-                *b -= response(g, turned) * (0.5 * step);
-            }
-        }
-        let [last, earlier] = &self.motion.turned;
-        let mut x = b.clone();
-        if last.len() == x.len() {
-            for (g, x) in x.iter_mut().enumerate() {
-                let before = earlier.get(g).unwrap_or(&last[g]);
-                *x -= response(g, &(last[g] * 2.0 - before)) * (0.5 * step);
-            }
-        }
+        let (coefficients, motion) = (&groups.coefficients, &groups.motion);
+        let response = |g: usize, impulse: &Vec3| coefficients[g].inverse * impulse;
         if self.inertia.0 != Some((rule, step)) {
             let of = |group: &NodeGroup| {
                 let units = [Vec3::x(), Vec3::y(), Vec3::z()];
                 let still = Vec3::zeros();
                 Mat3::from_columns(&units.map(|unit| group.impulse((rule, step), &still, &unit)))
             };
-            self.inertia = (Some((rule, step)), all.iter().map(of).collect());
+            self.inertia = (Some((rule, step)), groups.groups.iter().map(of).collect());
         }
-        let inertia = &self.inertia.1;
+        let solution = &mut self.solution;
+        solution.given.clear();
+        let both = motion.previous.iter().zip(&motion.next);
+        (solution.given).extend(both.map(|(before, after)| before + after));
+        let lacking = &self.motion.lacking[0];
+        for (g, (given, [force, moment])) in solution.given.iter_mut().zip(lacking).enumerate() {
+            *given += response(g, &(force * (0.5 * step) - moment * self.slowness));
+        }
+        let constrained = groups.constrained();
+        let laws = if self.is_linear {
+            0
+        } else {
+            solution.given.len()
+        };
+        solution.free = vec![Vec3::zeros(); constrained];
+        solution.mixing.clear();
+        if self.motion.step != step {
+            (self.motion.step, self.motion.settled) = (step, Default::default());
+        }
+        solution.guess = next_after(&self.motion.settled);
+        (solution.guess).resize(laws + constrained, Vec3::zeros());
+        solution.sum = solution.wanted();
+        let turned = next_after(&self.motion.turned);
+        for (g, (sum, turned)) in solution.sum.iter_mut().zip(&turned).enumerate() {
+            *sum -= response(g, turned) * (0.5 * step);
+        }
+        self.motion.before.clone_from(&motion.previous);
+        self.motion.turned.swap(0, 1);
+        self.solve(groups, step)
+    }
+
+    /// Predicted velocities of the groups with what is guessed of laws, if constraints change them by what is guessed of that.
+    pub(super) fn solve(&mut self, groups: &mut Groups, step: f64) -> bool {
+        let (coefficients, motion) = (&groups.coefficients, &mut groups.motion);
+        let (wanted, inertia) = (self.solution.wanted(), &self.inertia.1);
         let of_group = |g: usize| [&coefficients[g].inverse, &inertia[g]];
-        let Some((_, turned)) = self.skew.solve((&b, &mut x), step, of_group) else {
+        let Solution {
+            sum, guess, free, ..
+        } = &mut self.solution;
+        let Some((_, turned)) = self.skew.solve((&wanted, sum), step, of_group) else {
             return false;
         };
-        for ((next, before), sum) in motion.next.iter_mut().zip(&motion.previous).zip(&x) {
+        self.motion.turned[0] = turned;
+        for ((next, before), sum) in motion.next.iter_mut().zip(&motion.previous).zip(&*sum) {
             *next = sum - before;
         }
-        self.motion.turned.swap(0, 1);
-        self.motion.turned[0] = turned;
-        self.motion.before.clone_from(&motion.previous);
-        self.motion.free = motion.next[..constrained].to_vec();
+        let changed = &guess[guess.len() - free.len()..];
+        for ((free, next), changed) in free.iter_mut().zip(&mut motion.next).zip(changed) {
+            *next -= changed;
+            *free = *next;
+        }
         true
     }
+}
+
+impl Solution {
+    /// Sums of velocities as they would be without the skew matrix.
+    fn wanted(&self) -> Vec<Vec3> {
+        let (of_laws, changed) = self.guess.split_at(self.guess.len() - self.free.len());
+        let mut wanted = self.given.clone();
+        for part in [of_laws, changed] {
+            for (wanted, part) in wanted.iter_mut().zip(part) {
+                *wanted += part;
+            }
+        }
+        wanted
+    }
+}
+
+/// The values of a step that go on as those of the last two did, of which the later one comes first.
+fn next_after([last, earlier]: &[Vec<Vec3>; 2]) -> Vec<Vec3> {
+    if earlier.len() != last.len() {
+        return last.clone();
+    }
+    let both = last.iter().zip(earlier);
+    both.map(|(last, earlier)| last * 2.0 - earlier).collect()
 }
 
 impl Model {
@@ -118,82 +142,20 @@ impl Model {
         Cow::Owned(values.iter().copied().chain(copies).collect())
     }
 
-    /// Forces of a bay at the present time.
+    /// Forces of a bay at the present time: all of linear ones, and of others those of the stiffness of their elements.
     pub(crate) fn bay_forces(&mut self, terms: ForceTerms, step: f64) -> Result<(), RunError> {
         if let Some(fault) = self.fault.take() {
             return Err(fault);
         }
-        let Some(mut bay) = self.bay.take() else {
+        let Some(bay) = &mut self.bay else {
             return Ok(());
         };
-        let done = if bay.is_linear {
-            self.evaluate(terms, self.present_step(step))
-        } else {
-            self.evaluate_delayed(&mut bay, terms, step)
-        };
-        self.bay = Some(bay);
-        done
-    }
-
-    /// Forces of laws that are not linear at an extrapolated velocity, and what takes its linear part off again.
-    fn evaluate_delayed(
-        &mut self,
-        bay: &mut Bay,
-        terms: ForceTerms,
-        step: f64,
-    ) -> Result<(), RunError> {
-        let (nodes, Nodes::F64(arrays)) = (self.mass.len(), &self.nodes) else {
-            return Ok(());
-        };
-        let velocity = bay.velocity(arrays);
-        let predicted: Vec<Vec3> = match &bay.motion.before[..] {
-            [] => velocity.clone(),
-            before => (velocity.iter().zip(before))
-                .map(|(velocity, before)| velocity * 1.5 - before * 0.5)
-                .collect(),
-        };
-        let delay = |node: usize| bay.delay(node, |g| predicted[g]);
-        let delays: Vec<Vec3> = (0..nodes).map(delay).collect();
-        let (moved, moving) = (arrays.displacement.clone(), arrays.velocity.clone());
-        let placed: Vec<Vec3> = (moved.iter().zip(&delays))
-            .map(|(moved, delay)| moved.to_vector() + delay)
-            .collect();
-        let of_delays = self.elastic_product(Operator::Elastic, &delays, &|_| 1.0);
-        let elastic = self.elastic_product(Operator::Elastic, &placed, &|_| 1.0);
-        if let Nodes::F64(arrays) = &mut self.nodes {
-            for (displacement, placed) in arrays.displacement.iter_mut().zip(&placed) {
-                *displacement = Quad::from_vector(placed);
-            }
-            if let [_, ..] = &bay.motion.predicted[..] {
-                // Elements are told how their strain has changed since the forces before.
-                let rate = |g: usize| (predicted[g] - bay.motion.predicted[g]) / step;
-                for (node, velocity) in arrays.velocity.iter_mut().enumerate() {
-                    *velocity = Quad::from_vector(&(velocity.to_vector() + bay.delay(node, rate)));
-                }
-            }
+        bay.terms = terms;
+        let when = self.present_step(step);
+        match &self.bay {
+            Some(bay) if !bay.is_linear => self.stiffness_forces(when),
+            _ => self.evaluate(terms, when),
         }
-        let done = self.evaluate(terms, self.present_step(step));
-        if let Nodes::F64(arrays) = &mut self.nodes {
-            (arrays.displacement, arrays.velocity) = (moved, moving);
-            let slots = &self.subdomain.slots;
-            let groups = self.groups.groups.par_iter();
-            let relaxed: Vec<Vec3> = groups
-                .map(|group| bay.moment(group, |node| elastic[node] - arrays.internal(slots, node)))
-                .collect();
-            let [last, earlier] = &bay.motion.relaxed;
-            let groups = self.groups.groups.iter().enumerate();
-            let excess = groups.map(|(g, group)| {
-                let members = group.members.iter();
-                let linear: Vec3 = members.map(|node| of_delays[*node as usize]).sum();
-                let before = earlier.get(g).or(last.get(g)).unwrap_or(&relaxed[g]);
-                linear + (relaxed[g] - before) * (0.5 * bay.slowness / step)
-            });
-            bay.excess = excess.collect();
-            bay.motion.relaxed.swap(0, 1);
-            bay.motion.relaxed[0] = relaxed;
-            bay.motion.predicted = predicted;
-        }
-        done
     }
 
     /// Adds the delay of a bay to the predicted velocities.

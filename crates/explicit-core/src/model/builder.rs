@@ -13,7 +13,7 @@ use super::solids::{Solids, build_blocks};
 use super::start::{InitialState, InitialStress};
 use super::{BoundConstraint, Model, least_mass};
 use crate::applied::AppliedLoads;
-use crate::bay::{BayPlan, Carriers, Copies, check_bay};
+use crate::bay::{BayPlan, Carriers, Copies, check_bay, check_constraints};
 use crate::delayed::{DelayedSlice, check_delayed, pair_up};
 use crate::groups::Groups;
 use crate::nodes::{NodalArrays, Nodes};
@@ -57,6 +57,7 @@ pub(crate) fn build_on(spec: ModelSpec, team: Communicator) -> Result<Model, Mod
     let bay = delayed.filter(|pairs| DelayedPairs::make_bay(spec.mesh, &pairs.pairs));
     if let Some(pairs) = bay {
         check_bay(spec.mesh, pairs)?;
+        check_constraints(&spec.constraints)?;
     }
     check_delayed(&spec, team.is_single(), bay.is_some())?;
     let slice = delayed.filter(|_| bay.is_none());

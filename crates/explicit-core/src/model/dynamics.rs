@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use powerhouse_model::{
-    BlockContext, DividedWork, Dynamics, ElementBlock, ElementFault, ForceTerms, MassDampingRule,
-    Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
+    BlockContext, ConstraintWork, DividedWork, Dynamics, ElementBlock, ElementFault, ForceTerms,
+    MassDampingRule, Operator, PredictedMotion, Quad, RunError, StepTime, Vec3,
 };
 use rayon::prelude::*;
 
@@ -384,6 +384,13 @@ impl Model {
         }
     }
 
+    /// Loads at a time (s), without the forces of elements.
+    pub(crate) fn evaluate_loads(&mut self, time: f64) {
+        let Self { nodes, loads, .. } = self;
+        loads.evaluate(time, None);
+        with_nodes!(nodes, arrays => loads.sums.write_plain(&mut arrays.external));
+    }
+
     /// Receives the forces of other ranks at shared nodes.
     fn receive_forces(&mut self) -> Result<(), RunError> {
         if self.ranks.is_single() {
@@ -445,17 +452,40 @@ impl Model {
         groups.couple_fibres();
     }
 
-    /// Corrects the predicted velocities by the constraints.
+    /// Corrects the predicted velocities by the constraints, and accounts their work.
     fn correct(&mut self, step: f64) -> Result<(), RunError> {
+        let work = match self.bay {
+            Some(_) => self.correct_bay(step)?,
+            None => self.correct_once(step)?,
+        };
+        let (Some(ledger), Some(prepared)) = (&mut self.ledger, self.prepared) else {
+            return Ok(());
+        };
+        for (index, (bound, work)) in self.constraints.iter().zip(&work).enumerate() {
+            let own = (index, bound.groups.clone());
+            // The work of a constraint that is not divided is accounted at its first node.
+            let divided = bound.constraint.divided();
+            let divided = divided.and_then(|divided| divided.divided_work());
+            let divided = divided.unwrap_or(DividedWork {
+                nodes: &[0],
+                work: core::slice::from_ref(work),
+            });
+            ledger.record_constraint(&self.groups, prepared, own, &bound.predicted, divided);
+        }
+        Ok(())
+    }
+
+    /// Corrects the predicted velocities by the constraints; returns their work in this step.
+    pub(crate) fn correct_once(&mut self, step: f64) -> Result<Vec<ConstraintWork>, RunError> {
         let Self {
             constraints,
             groups,
             ledger,
-            prepared,
             profiler,
             ranks,
             ..
         } = self;
+        let mut all = Vec::with_capacity(constraints.len());
         for (index, bound) in constraints.iter_mut().enumerate() {
             ranks.failed_in_constraint(index);
             let start = profiler.as_ref().map(|_| Instant::now());
@@ -476,22 +506,12 @@ impl Model {
                 &bound.inverse_mass,
             ))?;
             groups.follow_constraint(&bound.groups);
-            if let (Some(ledger), Some(prepared)) = (ledger.as_mut(), *prepared) {
-                let own = (index, bound.groups.clone());
-                // The work of a constraint that is not divided is accounted at its first node.
-                let divided = bound.constraint.divided();
-                let divided = divided.and_then(|divided| divided.divided_work());
-                let divided = divided.unwrap_or(DividedWork {
-                    nodes: &[0],
-                    work: core::slice::from_ref(&work),
-                });
-                ledger.record_constraint(groups, prepared, own, &bound.predicted, divided);
-            }
             if let (Some(profiler), Some(start)) = (profiler.as_mut(), start) {
                 profiler.constraints[index] += start.elapsed();
             }
+            all.push(work);
         }
-        Ok(())
+        Ok(all)
     }
 
     fn advance<const DRIFT: bool>(&mut self, step: f64) {

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use powerhouse_explicit_core::{BuildModel, Leapfrog, run};
 use powerhouse_model::{
-    DelayedPairs, EnergyCheck, EngineError, Mesh, ModelError, PeriodicPairs, RunOptions,
-    StaticOptions, StepChoice, Support, TimeIntegrator, Vec3,
+    Constraint, ConstraintWork, DelayedPairs, EnergyCheck, EngineError, Mesh, ModelError,
+    PeriodicPairs, PredictedMotion, RunError, RunOptions, SavedState, StateError, StaticOptions,
+    StepChoice, Support, TimeIntegrator, Vec3,
 };
 
 use super::laws::{Core, model, spec};
@@ -107,6 +108,33 @@ fn a_bay_in_equilibrium_stays_still() {
     );
 }
 
+/// A constraint with a state that is not one of joints.
+struct Memory;
+
+impl Constraint for Memory {
+    fn name(&self) -> &str {
+        "memory"
+    }
+    fn nodes(&self) -> &[u32] {
+        &[]
+    }
+    fn correct(&mut self, _motion: PredictedMotion) -> Result<ConstraintWork, RunError> {
+        Ok(ConstraintWork::default())
+    }
+    fn saved(&self) -> Option<&dyn SavedState> {
+        Some(self)
+    }
+}
+
+impl SavedState for Memory {
+    fn save_state(&self) -> Result<Vec<u8>, StateError> {
+        Ok(Vec::new())
+    }
+    fn restore_state(&mut self, _saved: &[u8]) -> Result<(), StateError> {
+        Ok(())
+    }
+}
+
 /// Pairs that leave a node at an end without a partner, or are not those of the ends, and speeds that are too high are refused.
 #[test]
 fn pairs_and_speeds_that_make_no_bay_are_refused() {
@@ -133,8 +161,12 @@ fn pairs_and_speeds_that_make_no_bay_are_refused() {
         (delayed.pairs[0].1, delayed.pairs[1].1) = (b, a);
     });
     assert!(matches!(crossed, EngineError::DelayedPair { .. }));
-    // Elements that yield take 0.7 of the slowness of P waves, others 0.97.
-    let fast = refused(&|delayed| delayed.slowness = 0.75 / rock().p_speed());
+    let mut with_memory = spec(&mesh, ANGLES, Core::Rock);
+    with_memory.constraints.push(Box::new(Memory));
+    let refusal = with_memory.build().err().unwrap().to_string();
+    assert!(refusal.contains("'memory'"), "{refusal}");
+    // Elements that yield take 0.9 of the slowness of P waves, others 0.97.
+    let fast = refused(&|delayed| delayed.slowness = 0.93 / rock().p_speed());
     assert!(matches!(fast, EngineError::DelayedMass { .. }), "{fast}");
     let mut elastic = spec(&mesh, ANGLES, Core::Rock);
     if let Some(delayed) = &mut elastic.delayed {

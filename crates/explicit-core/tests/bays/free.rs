@@ -1,5 +1,7 @@
 //! Stable step and energy of bays in free motion.
 
+use std::collections::BTreeMap;
+
 use powerhouse_elements::SolidKernel;
 use powerhouse_explicit_core::{Leapfrog, Model, run};
 use powerhouse_model::{EnergyCheck, RunOptions, Vec3};
@@ -7,13 +9,18 @@ use powerhouse_model::{EnergyCheck, RunOptions, Vec3};
 use super::{bent, pairs};
 use crate::slices::{free, growth, noise};
 
-/// Gives all nodes a random velocity (m/s).
-fn shake(model: &mut Model, seed: u64) {
+/// Gives all places a random velocity (m/s).
+pub(super) fn shake(model: &mut Model, seed: u64) {
     let mesh = model.mesh();
     let of = |index: u64| Vec3::from_fn(|c, _| noise(seed + 3 * index + c as u64));
     let mut velocity: Vec<Vec3> = (0..mesh.node_count() as u64).map(of).collect();
     for (a, b) in pairs(mesh) {
         velocity[b as usize] = velocity[a as usize];
+    }
+    let mut of_place = BTreeMap::new();
+    for (x, velocity) in mesh.positions().iter().zip(&mut velocity) {
+        let place = [x.x, x.y, x.z].map(|x| (x * 1e6).round() as i64);
+        *velocity = *of_place.entry(place).or_insert(*velocity);
     }
     let still = vec![Vec3::zeros(); velocity.len()];
     model.set_initial(&still, &velocity).unwrap();

@@ -1,6 +1,8 @@
 //! Bays of an endless row under waves of any azimuth.
 
 mod bits;
+mod bonded;
+mod cracked;
 mod free;
 mod free_field;
 mod joint;

@@ -1,0 +1,205 @@
+//! Laws and constraints of a step of a bay, which depend on the velocities after it as these depend on them.
+
+use powerhouse_model::{ConstraintWork, Operator, Quad, RunError, StepTime, Vec3};
+use rayon::prelude::*;
+
+use super::Bay;
+use crate::Model;
+use crate::gather::CHUNK;
+use crate::groups::Groups;
+use crate::nodes::Nodes;
+
+/// Difference between guess and answer, over the motion, at which laws and constraints of a step count as solved.
+const SETTLED: f64 = 5e-6;
+/// Most iterations of a step. Those that are left then have no solution that this finds, as where a brittle bond holds if it breaks and breaks if it
+/// holds: the last state is taken, and the balance of energy has what it errs by.
+const MOST_ITERATIONS: usize = 30;
+/// Number of iterations after which accelerated and plain ones take turns: between two states of a side the acceleration may go to and fro.
+const ALTERNATED: usize = 10;
+
+impl Bay {
+    /// What laws and constraints make of the velocities (m/s) after the step, in the order of the guess: velocities by the impulses of laws in the
+    /// second half of the step, and changes by constraints.
+    fn answer(&self, groups: &Groups, step: f64) -> Vec<Vec3> {
+        let next = &groups.motion.next;
+        let of_laws = self.solution.lacking.par_iter().zip(&groups.coefficients);
+        let of_laws = of_laws.map(|([force, moment], coefficients)| {
+            coefficients.inverse * (force * (0.5 * step) + moment * self.slowness)
+        });
+        let mut answer: Vec<Vec3> = of_laws.collect();
+        let changed = next.iter().zip(&self.solution.free);
+        answer.extend(changed.map(|(next, free)| next - free));
+        answer
+    }
+
+    /// Inner product of velocities in the order of the guess, by effective mass.
+    fn product(&self, a: &[Vec3], b: &[Vec3]) -> f64 {
+        let inertia = &self.inertia.1;
+        let laws = a.len() - self.solution.free.len();
+        let chunks = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).enumerate();
+        let sums = chunks.map(|(chunk, (a, b))| {
+            let both = (chunk * CHUNK..).zip(a.iter().zip(b));
+            let of = |(index, (a, b)): (usize, (&Vec3, &Vec3))| {
+                let group = if index < laws { index } else { index - laws };
+                a.dot(&(inertia[group] * b))
+            };
+            both.map(of).sum::<f64>()
+        });
+        let sums: Vec<f64> = sums.collect();
+        sums.iter().sum()
+    }
+
+    /// Difference between an answer of laws and constraints and what was guessed of them; none if they agree.
+    fn difference(&self, answer: &[Vec3]) -> Option<Vec<Vec3>> {
+        let left: Vec<Vec3> = (answer.iter().zip(&self.solution.guess))
+            .map(|(answer, guess)| answer - guess)
+            .collect();
+        let inertia = &self.inertia.1;
+        let sums = self.solution.sum.iter().zip(inertia);
+        let all: f64 = sums.map(|(sum, inertia)| sum.dot(&(inertia * sum))).sum();
+        (self.product(&left, &left) > SETTLED * SETTLED * all).then_some(left)
+    }
+
+    /// The guess after an answer that differs from the last one.
+    fn accelerate(&mut self, left: Vec<Vec3>) {
+        let mut mixing = core::mem::take(&mut self.solution.mixing);
+        let guess = mixing.next(&self.solution.guess, left, |a, b| self.product(a, b));
+        (self.solution.mixing, self.solution.guess) = (mixing, guess);
+    }
+
+    /// Keeps what the step has found.
+    fn keep(&mut self, answer: Vec<Vec3>) {
+        let Self {
+            motion, solution, ..
+        } = self;
+        motion.settled.swap(0, 1);
+        motion.settled[0] = answer;
+        motion.lacking.swap(0, 1);
+        motion.lacking[0].clone_from(&solution.lacking);
+    }
+}
+
+impl Model {
+    /// Corrects the predicted velocities of a bay by its laws and constraints until they agree with the velocities that follow from them; returns
+    /// the work of the constraints.
+    pub(crate) fn correct_bay(&mut self, step: f64) -> Result<Vec<ConstraintWork>, RunError> {
+        self.repeat_constraints(true);
+        let mut iteration = 0;
+        loop {
+            let work = self.correct_once(step)?;
+            if self.fault.is_some() {
+                return Ok(work);
+            }
+            if self.bay.as_ref().is_some_and(|bay| !bay.is_linear) {
+                let (velocity, when) = (self.groups.motion.next.clone(), self.present_step(step));
+                self.evaluate_delayed(&velocity, 0.5 * step, when)?;
+            }
+            let Some(bay) = &mut self.bay else {
+                return Ok(work);
+            };
+            iteration += 1;
+            let answer = bay.answer(&self.groups, step);
+            let left = bay.difference(&answer);
+            let Some(left) = left.filter(|_| iteration < MOST_ITERATIONS) else {
+                bay.keep(answer);
+                return Ok(work);
+            };
+            if (iteration / ALTERNATED).is_multiple_of(2) {
+                bay.accelerate(left);
+            } else {
+                bay.solution.mixing.clear();
+                bay.solution.guess = answer;
+            }
+            if !bay.solve(&mut self.groups, step) {
+                self.fault = Some(self.divergence());
+                return Ok(work);
+            }
+            self.repeat_constraints(false);
+        }
+    }
+
+    /// Lets the constraints keep the state before a step, or return to it.
+    fn repeat_constraints(&mut self, keep: bool) {
+        for bound in &mut self.constraints {
+            match bound.constraint.jointed_mut() {
+                Some(jointed) if keep => jointed.keep_state(),
+                Some(jointed) => jointed.return_to_kept(),
+                None => {}
+            }
+        }
+    }
+
+    /// Forces of the stiffness of all elements and of loads at the present time. Before the first step laws are evaluated half a step earlier.
+    pub(super) fn stiffness_forces(&mut self, when: StepTime) -> Result<(), RunError> {
+        let is_first = |bay: &Bay| bay.motion.lacking[0].is_empty();
+        if self.bay.as_ref().is_some_and(is_first)
+            && let (Some(bay), Nodes::F64(arrays)) = (&self.bay, &self.nodes)
+        {
+            let of = |lead: &u32| arrays.velocity[*lead as usize].to_vector();
+            let velocity: Vec<Vec3> = bay.leads.iter().map(of).collect();
+            self.evaluate_delayed(&velocity, -0.5 * when.step, when)?;
+            if let Some(bay) = &mut self.bay {
+                bay.motion.lacking[0].clone_from(&bay.solution.lacking);
+            }
+        }
+        self.evaluate_loads(when.time);
+        let Nodes::F64(arrays) = &self.nodes else {
+            return Ok(());
+        };
+        let moved: Vec<Vec3> = arrays.displacement.iter().map(|u| u.to_vector()).collect();
+        // The product stays as the forces of the elements.
+        self.elastic_product(Operator::Elastic, &moved, &|_| 1.0);
+        Ok(())
+    }
+
+    /// Evaluates the laws of a bay at the velocities (m/s) of its groups, a time (s) from the present one, and what they lack of linear forces.
+    fn evaluate_delayed(
+        &mut self,
+        velocity: &[Vec3],
+        after: f64,
+        when: StepTime,
+    ) -> Result<(), RunError> {
+        let (Some(bay), Nodes::F64(arrays)) = (&self.bay, &mut self.nodes) else {
+            return Ok(());
+        };
+        let terms = bay.terms.with_repeats(true);
+        let (moved, moving) = (arrays.displacement.clone(), arrays.velocity.clone());
+        let (step, previous) = (when.step, &self.groups.motion.previous);
+        let is_first = bay.motion.lacking[0].is_empty();
+        let nodes = 0..moved.len();
+        // The velocity tells elements how their strain has changed since their last evaluation.
+        let places = nodes.into_par_iter().map(|node| {
+            let (group, offset) = bay.place[node];
+            let now = velocity[group as usize];
+            let before = if is_first {
+                now
+            } else {
+                previous[group as usize]
+            };
+            let late = bay.slowness * offset;
+            let rate = (before + now) * 0.5 - (now - before) * (late / step);
+            [moved[node].to_vector() + now * (after - late), rate]
+        });
+        let places: Vec<[Vec3; 2]> = places.collect();
+        let both = arrays.displacement.iter_mut().zip(&mut arrays.velocity);
+        for ((displacement, velocity), [place, rate]) in both.zip(&places) {
+            (*displacement, *velocity) = (Quad::from_vector(place), Quad::from_vector(rate));
+        }
+        let placed: Vec<Vec3> = places.iter().map(|[place, _]| *place).collect();
+        let elastic = self.elastic_product(Operator::Elastic, &placed, &|_| 1.0);
+        let done = self.evaluate(terms, when);
+        let (Some(bay), Nodes::F64(arrays)) = (&mut self.bay, &mut self.nodes) else {
+            return done;
+        };
+        (arrays.displacement, arrays.velocity) = (moved, moving);
+        let slots = &self.subdomain.slots;
+        let lacking = self.groups.groups.par_iter().map(|group| {
+            let lack = |node: usize| elastic[node] - arrays.internal(slots, node);
+            let forces = group.members.iter().map(|node| lack(*node as usize));
+            [forces.sum(), bay.moment(group, lack)]
+        });
+        bay.solution.lacking = lacking.collect();
+        bay.solution.placed = placed;
+        done
+    }
+}
