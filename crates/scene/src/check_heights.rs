@@ -29,7 +29,7 @@ impl CheckHeights {
             kept: None,
             unit: ROUNDING * (high - low).norm(),
         };
-        if scene.layered.is_empty() {
+        if scene.layered_waves().is_empty() {
             return Ok(heights);
         }
         let of = |node: u32| heights.key(scene.mesh.positions()[node as usize].z);

@@ -224,8 +224,14 @@ impl Scene {
     /// Least apparent speed (m/s) of the plane waves of the field along a unit direction; none if it is no sum of such
     /// waves, or if they travel across the direction.
     fn apparent_speed(&self, along: &Vec3) -> Option<f64> {
-        let homogeneous = self.waves.iter().map(|wave| wave.parameters().slowness());
-        let layered = self.layered.iter().map(|wave| wave.parameters().slowness());
+        let homogeneous = self
+            .plane_waves()
+            .iter()
+            .map(|wave| wave.parameters().slowness());
+        let layered = self
+            .layered_waves()
+            .iter()
+            .map(|wave| wave.parameters().slowness());
         let shares = homogeneous.chain(layered).map(|slowness| {
             let share = slowness.dot(along).abs();
             if share > ACROSS * slowness.norm() {

@@ -1,9 +1,7 @@
 //! Layered ground: its waves, and the check of the body along the absorbing faces against its layers.
 
-use std::sync::Arc;
-
-use powerhouse_model::{ElasticMedium, Facet, IncidentField, ModelError, Vec3};
-use powerhouse_wavefield::{LayerDamping, LayerMechanism, LayeredWave, PlaneWave, Superposition};
+use powerhouse_model::{ElasticMedium, Facet, IncidentField, Vec3};
+use powerhouse_wavefield::{LayerDamping, LayerMechanism};
 use thiserror::Error;
 
 use crate::surroundings::SIDE_TOLERANCE;
@@ -97,40 +95,6 @@ pub fn damping_of_layer(damping: &Damping) -> Option<LayerDamping> {
 }
 
 impl Scene {
-    /// Sets the incident field to a sum of plane waves, which studies of the scene then know one by one.
-    ///
-    /// # Errors
-    /// No wave, or waves in different media.
-    pub fn with_plane_waves(mut self, waves: Vec<PlaneWave>) -> Result<Self, Error> {
-        self = self.with_sum(waves.iter().cloned())?;
-        self.waves = waves;
-        Ok(self)
-    }
-
-    /// Sets the incident field to a sum of plane waves in layered ground.
-    ///
-    /// # Errors
-    /// No wave, or waves in different ground.
-    pub fn with_layered_waves(mut self, waves: Vec<LayeredWave>) -> Result<Self, Error> {
-        self = self.with_sum(waves.iter().cloned())?;
-        self.layered = waves;
-        Ok(self)
-    }
-
-    fn with_sum(
-        self,
-        waves: impl Iterator<Item = impl IncidentField + 'static>,
-    ) -> Result<Self, Error> {
-        let fields = waves.map(|wave| Box::new(wave) as Box<dyn IncidentField>);
-        let sum = Superposition::new(fields.collect()).map_err(ModelError::from)?;
-        Ok(self.with_shared_field(Arc::new(sum)))
-    }
-
-    /// The waves in layered ground of which the incident field is the sum; none if the field is given otherwise.
-    pub fn layered_waves(&self) -> &[LayeredWave] {
-        &self.layered
-    }
-
     /// Rejects elements along the absorbing faces of another medium than that of their layer, and interfaces off the
     /// planes of the mesh.
     pub(super) fn check_layers(
@@ -144,7 +108,7 @@ impl Scene {
         }
         let (low, high) = self.mesh.bounding_box();
         let rounding = SIDE_TOLERANCE * (high - low).norm();
-        let surface = self.layered.first();
+        let surface = self.layered_waves().first();
         let surface = surface.map_or(high.z, |wave| wave.parameters().ground.surface());
         let owner = self.part_of_elements()?;
         for (face, facets) in faces {
@@ -194,7 +158,10 @@ impl Scene {
 
     /// Whether a layer of the ground in which the waves travel is damped.
     pub fn has_damped_layers(&self) -> bool {
-        let grounds = self.layered.iter().map(|wave| &wave.parameters().ground);
+        let grounds = self
+            .layered_waves()
+            .iter()
+            .map(|wave| &wave.parameters().ground);
         let mut layers = grounds.flat_map(|ground| ground.layers());
         layers.any(|layer| layer.damping != LayerDamping::None)
     }
@@ -206,7 +173,7 @@ impl Scene {
         faces: &[(&str, &[Facet])],
     ) -> Result<bool, Error> {
         let (Some(wave), Some(damping)) = (
-            self.layered.first(),
+            self.layered_waves().first(),
             damping_of_layer(&self.parts[part].damping),
         ) else {
             return Ok(false);

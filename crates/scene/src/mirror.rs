@@ -211,7 +211,7 @@ impl Scene {
                 .into());
             }
         }
-        match &self.field {
+        match self.field() {
             Some(field) => self.check_parity(field.as_ref(), mirror.parity, (&origin, &normal)),
             None => Ok(()),
         }

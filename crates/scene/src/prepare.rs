@@ -149,7 +149,7 @@ impl Scene {
             let stateful = stateful.ok_or_else(|| ModelError::lacking("states"))?;
             stateful.set_state(&state)?;
         }
-        let initial = match (self.initial, &self.field) {
+        let initial = match (self.initial, self.field()) {
             (InitialMotion::Rest, _) => None,
             (InitialMotion::Field, Some(field)) => Some(field.clone()),
             (InitialMotion::Field, None) => return Err(Error::NoField),
@@ -194,15 +194,16 @@ impl Scene {
 
     /// Gives the remarks about waves in layers the memory and accuracy of their tables, which all exist now.
     fn tables_made(&mut self) {
-        let remarks = self.remarks.iter_mut();
-        let of_layers = remarks.filter_map(|remark| match remark {
+        let mut remarks = core::mem::take(&mut self.remarks);
+        let of_layers = remarks.iter_mut().filter_map(|remark| match remark {
             Remark::Layered(remark::Layered { report, bytes, .. }) => Some((report, bytes)),
             _ => None,
         });
-        for (wave, (report, bytes)) in self.layered.iter().zip(of_layers) {
+        for (wave, (report, bytes)) in self.layered_waves().iter().zip(of_layers) {
             *report = wave.report();
             *bytes = report.bytes;
         }
+        self.remarks = remarks;
     }
 
     /// Warning about an in-situ stress that ends below the top of the body after the excavations of the first stage.
@@ -334,7 +335,7 @@ impl Scene {
         remarks: &mut Vec<Remark>,
     ) -> Result<Option<BoundaryParts>, Error> {
         let Some(boundary) = &self.boundary else {
-            if let (Some(field), InitialMotion::Rest) = (&self.field, self.initial) {
+            if let (Some(field), InitialMotion::Rest) = (self.field(), self.initial) {
                 return Err(Error::UnusedField {
                     field: field.name().into(),
                     reason: "there is no boundary through which it comes in",
@@ -354,7 +355,7 @@ impl Scene {
         let facets = facets.iter().map(|(face, facets)| (*face, &facets[..]));
         let facets: Vec<(&str, &[Facet])> = facets.collect();
         let medium = self.medium_of_elements()?;
-        let field = self.field.as_deref();
+        let field = self.field().map(|field| &**field);
         self.check_through()?;
         let in_ground = field.map(FieldInGround);
         let field = match (&in_ground, &boundary.through[..]) {

@@ -15,12 +15,12 @@ impl Scene {
     /// Height z of the free surface of the half-space in which the waves of the field travel (m), the lowest of several; none
     /// for a full space, and for a field that is given otherwise.
     pub fn surface(&self) -> Option<f64> {
-        let of_waves = self.waves.iter();
+        let of_waves = self.plane_waves().iter();
         let of_waves = of_waves.filter_map(|wave| match wave.parameters().site {
             Site::HalfSpace { surface } => Some(surface),
             Site::FullSpace => None,
         });
-        let of_layers = self.layered.iter();
+        let of_layers = self.layered_waves().iter();
         let of_layers = of_layers.map(|wave| wave.parameters().ground.surface());
         of_waves.chain(of_layers).reduce(f64::min)
     }

@@ -7,18 +7,18 @@ use powerhouse_contact::JointSurface;
 #[cfg(feature = "keys")]
 use powerhouse_model::keys::*;
 use powerhouse_model::{
-    Constraint, ContactLaw, Engine, IncidentField, Mesh, NodalLoad, PeriodicPairs, Precision,
-    Prescribed, Support, TimeFunction, TimeIntegrator, Vec3,
+    Constraint, ContactLaw, Engine, Mesh, NodalLoad, PeriodicPairs, Precision, Prescribed, Support,
+    TimeFunction, TimeIntegrator, Vec3,
 };
 
-use powerhouse_wavefield::{LayeredWave, PlaneWave, TimeHistory};
+use powerhouse_wavefield::TimeHistory;
 
 use crate::acting::{SharedFunction, StagedLoad};
 use crate::engine::{Leapfrog, standard_engine};
 use crate::in_use::InUse;
 use crate::{
     Boundary, Error, FibreOptions, InSituStress, Mirror, OutputPlan, Part, Places, Remark,
-    SceneBolts, SceneJoint, SceneStage, Subject, WaterBeside, places::placed, remark,
+    SceneBolts, SceneField, SceneJoint, SceneStage, Subject, WaterBeside, places::placed, remark,
 };
 
 /// Nodes with prescribed motion, shared by all models of a scene.
@@ -120,13 +120,7 @@ pub struct Scene {
     #[doc(hidden)]
     pub parts: Vec<Part>,
     #[doc(hidden)]
-    pub field: Option<Arc<dyn IncidentField>>,
-    /// Plane waves whose sum is the field, if the field is such a sum.
-    #[doc(hidden)]
-    pub waves: Vec<PlaneWave>,
-    /// The same of waves in layered ground.
-    #[doc(hidden)]
-    pub layered: Vec<LayeredWave>,
+    pub field: Option<SceneField>,
     #[doc(hidden)]
     pub boundary: Option<Boundary>,
     #[doc(hidden)]
@@ -204,8 +198,6 @@ impl Scene {
             mesh: Arc::new(mesh),
             parts: Vec::new(),
             field: None,
-            waves: Vec::new(),
-            layered: Vec::new(),
             boundary: None,
             supports: Vec::new(),
             mirrors: Vec::new(),
@@ -250,20 +242,6 @@ impl Scene {
     #[must_use]
     pub fn part(mut self, part: Part) -> Self {
         self.parts.push(part);
-        self
-    }
-    /// Sets the incident field, the motion of the site without the structure, in place of an earlier one and its plane
-    /// waves.
-    #[must_use]
-    pub fn with_field(self, field: impl IncidentField + 'static) -> Self {
-        self.with_shared_field(Arc::new(field))
-    }
-    /// Sets the incident field to one that another scene has too, as [`with_field`](Self::with_field).
-    #[must_use]
-    pub fn with_shared_field(mut self, field: Arc<dyn IncidentField>) -> Self {
-        self.field = Some(field);
-        self.waves.clear();
-        self.layered.clear();
         self
     }
     /// Sets the absorbing boundary: condition, faces, scatterer and region.
@@ -414,14 +392,6 @@ impl Scene {
     /// The parts: element sets with their material and kernel.
     pub fn parts(&self) -> &[Part] {
         &self.parts
-    }
-    /// The incident field: the motion of the site without the structure.
-    pub fn field(&self) -> Option<&Arc<dyn IncidentField>> {
-        self.field.as_ref()
-    }
-    /// The plane waves of which the incident field is the sum; none if the field is given otherwise.
-    pub fn plane_waves(&self) -> &[PlaneWave] {
-        &self.waves
     }
     /// The absorbing boundary; none for a body without.
     pub fn boundary(&self) -> Option<&Boundary> {

@@ -161,8 +161,7 @@ impl FreeFieldCheck {
             if let Some(pairs) = &held.delayed {
                 composed = composed.with_delayed_sides(pairs.clone());
                 // Their slowness is that of the waves of which the field is the sum.
-                composed.waves = scene.plane_waves().to_vec();
-                composed.layered = scene.layered_waves().to_vec();
+                composed.field.clone_from(&scene.field);
             }
             if let Some(threads) = scene.threads() {
                 composed = composed.with_threads(threads);

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use powerhouse_model::{IncidentField, ModelError, Vec3};
 use powerhouse_wavefield::{
-    Angle, EndDisplacement, Ground, HarmonicBurst, InputConvention, LayerDamping, PlaneWave,
-    PlaneWaveParameters, QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site,
-    SmoothPulse, WaveError, ZeroMeanPulse, critical_angle, first_hit_corner,
+    Angle, Ground, HarmonicBurst, InputConvention, LayerDamping, PlaneWave, PlaneWaveParameters,
+    QuietStart, QuietStartLimits, Ricker, RickerQuantity, Signal, Site, SmoothPulse, WaveError,
+    ZeroMeanPulse, critical_angle, first_hit_corner,
 };
 
 use super::motion;
@@ -255,12 +255,9 @@ pub(super) fn motion(
             ) {
                 return Err(Fault::of_magnitude(name.span(), magnitude));
             }
-            let scaled = record.history.scaled(factor);
-            let signal = scaled.and_then(|history| {
-                history.into_signal(EndDisplacement::Declared(factor * record.end))
-            });
+            let signal = record.signal(factor);
             Ok(WaveMotion {
-                signal: Arc::new(signal.map_err(|error| Fault::refused(name.span(), error))?),
+                signal: signal.map_err(|error| Fault::refused(name.span(), error))?,
                 convention: of_component(&record.convention)?,
                 lead: record.lead,
                 span: record.convention.span(),

@@ -7,9 +7,7 @@ use powerhouse_elements::{FacePressure, FaceTraction, NodalForce, Profile};
 use powerhouse_model::{
     Constant, Facet, NodalLoad, PeriodicPairs, Prescribed, Support, Table, TimeFunction, Vec3,
 };
-use powerhouse_wavefield::{
-    BaselineCorrection, EndDisplacement, QuietStartLimits, RecordSignal, Signal,
-};
+use powerhouse_wavefield::{BaselineCorrection, QuietStartLimits, Signal};
 
 use super::record::{PreparedRecord, cut_short};
 use super::{Names, named, one_of, vector};
@@ -210,7 +208,8 @@ fn of_record(
     record: &PreparedRecord,
     arrivals: &Arrivals,
 ) -> Result<Box<dyn TimeFunction>, Fault> {
-    let signal = signal(name, record)?;
+    let signal = record.signal(1.0);
+    let signal = signal.map_err(|error| Fault::refused(name.span(), error))?;
     let ahead = record.lead - arrivals.padding;
     let displacement = move |t: f64| factor.value(t) * signal.motion(t + ahead).displacement;
     let (start, easing) = (arrivals.start, easing(record));
@@ -230,11 +229,6 @@ fn easing(record: &PreparedRecord) -> f64 {
         Some(BaselineCorrection::HighPass { corner, .. }) => 0.5 / corner,
         _ => 0.0,
     }
-}
-
-fn signal(name: &At<String>, record: &PreparedRecord) -> Result<RecordSignal, Fault> {
-    let signal = (record.history.clone()).into_signal(EndDisplacement::Declared(record.end));
-    signal.map_err(|error| Fault::refused(name.span(), error))
 }
 
 /// Arrival of the records of prescribed motions: the common delay with which the leads of their filters are below the
@@ -257,7 +251,9 @@ fn arrivals(
         if record.lead == 0.0 || scene.initial == InitialMotion::Field {
             continue;
         }
-        let (signal, report) = (signal(name, record)?, record.report);
+        let signal = record.signal(1.0);
+        let signal = signal.map_err(|error| Fault::refused(name.span(), error))?;
+        let report = record.report;
         let level = |time: f64| {
             let motion = signal.motion(time);
             let over = |value: f64, peak: f64| {

@@ -6,8 +6,7 @@ use std::sync::Arc;
 
 use powerhouse_model::Vec3;
 use powerhouse_wavefield::{
-    Angle, EndDisplacement, Ground, RecordedAt, Signal, SplitParameters, SplitReport, WaveError,
-    WaveKind,
+    Angle, Ground, RecordedAt, Signal, SplitParameters, SplitReport, WaveError, WaveKind,
 };
 
 use super::ground::component;
@@ -137,11 +136,9 @@ pub(super) fn split<'r>(
                 return Err(Fault::of_magnitude(table.record.span(), magnitude));
             }
         }
-        let scaled = record.history.scaled(factor);
-        let end = EndDisplacement::Declared(factor * record.end);
-        let signal = scaled.and_then(|history| history.into_signal(end));
+        let signal = record.signal(factor);
         let signal = signal.map_err(|error| Fault::refused(table.record.span(), error))?;
-        components[*letter as usize] = Some(Arc::new(signal) as Arc<dyn Signal>);
+        components[*letter as usize] = Some(signal as Arc<dyn Signal>);
     }
     let by_peak = |a: &&(Component, &PreparedRecord), b: &&(Component, &PreparedRecord)| {
         let of = |record: &PreparedRecord| record.report.peak_acceleration;

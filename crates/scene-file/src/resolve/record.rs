@@ -3,14 +3,15 @@
 use super::draft::Draft;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use powerhouse_records::{
     AccelerationUnit, CountRule, LengthRule, RecordColumns, RecordOptions, common_length,
     read_record,
 };
 use powerhouse_wavefield::{
-    BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport, RecordedAt,
-    SurfaceComponent, TimeHistory, WaveError,
+    BaselineCorrection, BaselineReport, EndDisplacement, InputConvention, RecordReport,
+    RecordSignal, RecordedAt, SurfaceComponent, TimeHistory, WaveError,
 };
 
 use super::{one_of, ordered, unique};
@@ -26,8 +27,10 @@ use super::target::SpectrumOfRecord;
 /// Processed record, ready for waves and prescribed motions.
 pub(super) struct PreparedRecord {
     pub(super) history: TimeHistory,
+    /// Its motion.
+    signal: Arc<RecordSignal>,
     /// Permanent displacement at the end (m).
-    pub(super) end: f64,
+    end: f64,
     pub(super) convention: At<Convention>,
     /// Lead (s): extension by a filter before the original start, and at the end.
     pub(super) lead: f64,
@@ -43,6 +46,17 @@ pub(super) struct PreparedRecord {
     pub(super) source: Option<String>,
     /// What scaling or matching to a spectrum did.
     pub(super) spectrum: Option<RecordSpectrumReport>,
+}
+
+impl PreparedRecord {
+    /// Its motion, multiplied by a factor.
+    pub(super) fn signal(&self, factor: f64) -> Result<Arc<RecordSignal>, WaveError> {
+        if factor == 1.0 {
+            return Ok(self.signal.clone());
+        }
+        let end = EndDisplacement::Declared(factor * self.end);
+        Ok(Arc::new(self.history.scaled(factor)?.into_signal(end)?))
+    }
 }
 
 /// Peak ground acceleration (m/s2) of about 0.1 g below which a record is weak for a design motion, and its peak may be
@@ -182,9 +196,7 @@ fn processed(
         }
         // A record that does not end at rest is rejected here, at its name.
         let signal = history.clone().into_signal(EndDisplacement::Declared(end));
-        let report = signal
-            .map_err(|error| without_rest(name.clone(), error))?
-            .report();
+        let signal = signal.map_err(|error| without_rest(name.clone(), error))?;
         let record = PreparedRecord {
             weak: weak.filter(|_| is_largest),
             history,
@@ -192,7 +204,8 @@ fn processed(
             end,
             convention: table.convention.clone(),
             lead: baseline.map_or(0.0, |report: BaselineReport| report.leading_pad),
-            report,
+            report: signal.report(),
+            signal: Arc::new(signal),
             baseline,
             warnings,
             source,
