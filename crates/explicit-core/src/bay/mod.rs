@@ -82,10 +82,36 @@ struct Solution {
     /// constraints.
     guess: Vec<Vec3>,
     mixing: Mixing,
+    best: Best,
     /// What the forces of laws lack of those of the stiffness half a step after the present time, with its moment.
     lacking: Vec<[Vec3; 2]>,
-    /// Displacement (m) at which laws have been evaluated, by engine node.
+    /// Displacement (m) at which laws have been evaluated, by engine node, and the velocity with which it has changed in the step.
     placed: Vec<Vec3>,
+    rates: Vec<Vec3>,
+}
+
+/// The guess of a step that differs least from its answer.
+struct Best {
+    guess: Vec<Vec3>,
+    /// Difference of the answer from it, and its size over that of the motion (1).
+    left: Vec<Vec3>,
+    size: f64,
+    /// Share of the difference that the last guess that began here has taken.
+    share: f64,
+    /// Number of guesses since.
+    age: usize,
+}
+
+impl Default for Best {
+    fn default() -> Self {
+        Self {
+            guess: Vec::new(),
+            left: Vec::new(),
+            size: f64::INFINITY,
+            share: 1.0,
+            age: 0,
+        }
+    }
 }
 
 /// A bay of an endless row.

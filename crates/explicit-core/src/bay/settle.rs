@@ -3,7 +3,7 @@
 use powerhouse_model::{ConstraintWork, Operator, Quad, RunError, StepTime, Vec3};
 use rayon::prelude::*;
 
-use super::Bay;
+use super::{Bay, Best};
 use crate::Model;
 use crate::gather::CHUNK;
 use crate::groups::Groups;
@@ -11,11 +11,13 @@ use crate::nodes::Nodes;
 
 /// Difference between guess and answer, over the motion, at which laws and constraints of a step count as solved.
 const SETTLED: f64 = 5e-6;
-/// Most iterations of a step. Those that are left then have no solution that this finds, as where a brittle bond holds if it breaks and breaks if it
-/// holds: the last state is taken, and the balance of energy has what it errs by.
+/// Most iterations of a step. What is not solved then has no solution that this finds, as where a brittle bond holds if it breaks and breaks if it
+/// holds: the state with the least difference is taken, and the balance of energy has what it errs by.
 const MOST_ITERATIONS: usize = 30;
-/// Number of iterations after which accelerated and plain ones take turns: between two states of a side the acceleration may go to and fro.
-const ALTERNATED: usize = 10;
+/// Iterations that may follow the best one without a better one, and the difference of one of them over that of the best, after which the best one is taken up again
+/// with a smaller change.
+const PATIENCE: usize = 4;
+const WORSE: f64 = 4.0;
 
 impl Bay {
     /// What laws and constraints make of the velocities (m/s) after the step, in the order of the guess: velocities by the impulses of laws in the
@@ -49,19 +51,46 @@ impl Bay {
         sums.iter().sum()
     }
 
-    /// Difference between an answer of laws and constraints and what was guessed of them; none if they agree.
-    fn difference(&self, answer: &[Vec3]) -> Option<Vec<Vec3>> {
+    /// Difference between an answer of laws and constraints and what was guessed of them, and its size over that of the motion.
+    fn difference(&self, answer: &[Vec3]) -> (Vec<Vec3>, f64) {
         let left: Vec<Vec3> = (answer.iter().zip(&self.solution.guess))
             .map(|(answer, guess)| answer - guess)
             .collect();
         let inertia = &self.inertia.1;
         let sums = self.solution.sum.iter().zip(inertia);
         let all: f64 = sums.map(|(sum, inertia)| sum.dot(&(inertia * sum))).sum();
-        (self.product(&left, &left) > SETTLED * SETTLED * all).then_some(left)
+        let of_left = self.product(&left, &left);
+        let size = if of_left == 0.0 {
+            0.0
+        } else {
+            (of_left / all).sqrt()
+        };
+        (left, size)
     }
 
-    /// The guess after an answer that differs from the last one.
-    fn accelerate(&mut self, left: Vec<Vec3>) {
+    /// The guess after an answer with a difference from the last one.
+    fn guess_again(&mut self, left: Vec<Vec3>, size: f64) {
+        let best = &mut self.solution.best;
+        best.age += 1;
+        if size < best.size {
+            *best = Best {
+                guess: self.solution.guess.clone(),
+                left: left.clone(),
+                size,
+                share: 1.0,
+                age: 0,
+            };
+        }
+        if best.age > PATIENCE || size > WORSE * best.size || size.is_nan() {
+            best.share *= 0.5;
+            best.age = 0;
+            let both = best.guess.iter().zip(&best.left);
+            self.solution.guess = both
+                .map(|(guess, left)| guess + left * best.share)
+                .collect();
+            self.solution.mixing.clear();
+            return;
+        }
         let mut mixing = core::mem::take(&mut self.solution.mixing);
         let guess = mixing.next(&self.solution.guess, left, |a, b| self.product(a, b));
         (self.solution.mixing, self.solution.guess) = (mixing, guess);
@@ -99,16 +128,18 @@ impl Model {
             };
             iteration += 1;
             let answer = bay.answer(&self.groups, step);
-            let left = bay.difference(&answer);
-            let Some(left) = left.filter(|_| iteration < MOST_ITERATIONS) else {
+            let (left, size) = bay.difference(&answer);
+            if size <= SETTLED || iteration > MOST_ITERATIONS {
                 bay.keep(answer);
+                if self.ledger.is_some() && !bay.is_linear {
+                    self.book_delayed(self.present_step(step))?;
+                }
                 return Ok(work);
-            };
-            if (iteration / ALTERNATED).is_multiple_of(2) {
-                bay.accelerate(left);
+            }
+            if iteration == MOST_ITERATIONS {
+                bay.solution.guess.clone_from(&bay.solution.best.guess);
             } else {
-                bay.solution.mixing.clear();
-                bay.solution.guess = answer;
+                bay.guess_again(left, size);
             }
             if !bay.solve(&mut self.groups, step) {
                 self.fault = Some(self.divergence());
@@ -138,6 +169,8 @@ impl Model {
             let of = |lead: &u32| arrays.velocity[*lead as usize].to_vector();
             let velocity: Vec<Vec3> = bay.leads.iter().map(of).collect();
             self.evaluate_delayed(&velocity, -0.5 * when.step, when)?;
+            // A body that moves from the start on has strains from its velocity, from which its laws go on.
+            self.uncommitted = velocity.iter().any(|v| *v != Vec3::zeros());
             if let Some(bay) = &mut self.bay {
                 bay.motion.lacking[0].clone_from(&bay.solution.lacking);
             }
@@ -159,16 +192,13 @@ impl Model {
         after: f64,
         when: StepTime,
     ) -> Result<(), RunError> {
-        let (Some(bay), Nodes::F64(arrays)) = (&self.bay, &mut self.nodes) else {
+        let (Some(bay), Nodes::F64(arrays)) = (&self.bay, &self.nodes) else {
             return Ok(());
         };
-        let terms = bay.terms.with_repeats(true);
-        let (moved, moving) = (arrays.displacement.clone(), arrays.velocity.clone());
         let (step, previous) = (when.step, &self.groups.motion.previous);
         let is_first = bay.motion.lacking[0].is_empty();
-        let nodes = 0..moved.len();
-        // The velocity tells elements how their strain has changed since their last evaluation.
-        let places = nodes.into_par_iter().map(|node| {
+        // The velocity tells elements how their strain has changed since the step before.
+        let of_node = |node: usize| {
             let (group, offset) = bay.place[node];
             let now = velocity[group as usize];
             let before = if is_first {
@@ -176,22 +206,22 @@ impl Model {
             } else {
                 previous[group as usize]
             };
-            let late = bay.slowness * offset;
+            let (moved, late) = (&arrays.displacement[node], bay.slowness * offset);
             let rate = (before + now) * 0.5 - (now - before) * (late / step);
-            [moved[node].to_vector() + now * (after - late), rate]
-        });
-        let places: Vec<[Vec3; 2]> = places.collect();
-        let both = arrays.displacement.iter_mut().zip(&mut arrays.velocity);
-        for ((displacement, velocity), [place, rate]) in both.zip(&places) {
-            (*displacement, *velocity) = (Quad::from_vector(place), Quad::from_vector(rate));
-        }
-        let placed: Vec<Vec3> = places.iter().map(|[place, _]| *place).collect();
+            [moved.to_vector() + now * (after - late), rate]
+        };
+        let nodes = (0..self.mass.len()).into_par_iter();
+        let (placed, rates): (Vec<Vec3>, Vec<Vec3>) = nodes
+            .map(|node| {
+                let [place, rate] = of_node(node);
+                (place, rate)
+            })
+            .unzip();
         let elastic = self.elastic_product(Operator::Elastic, &placed, &|_| 1.0);
-        let done = self.evaluate(terms, when);
-        let (Some(bay), Nodes::F64(arrays)) = (&mut self.bay, &mut self.nodes) else {
+        let done = self.evaluate_at((&placed, &rates), when, false);
+        let (Some(bay), Nodes::F64(arrays)) = (&mut self.bay, &self.nodes) else {
             return done;
         };
-        (arrays.displacement, arrays.velocity) = (moved, moving);
         let slots = &self.subdomain.slots;
         let lacking = self.groups.groups.par_iter().map(|group| {
             let lack = |node: usize| elastic[node] - arrays.internal(slots, node);
@@ -199,7 +229,43 @@ impl Model {
             [forces.sum(), bay.moment(group, lack)]
         });
         bay.solution.lacking = lacking.collect();
-        bay.solution.placed = placed;
+        (bay.solution.placed, bay.solution.rates) = (placed, rates);
+        done
+    }
+
+    /// Evaluates the laws at displacements (m) and velocities (m/s) of all engine nodes, which are those of the model before and after; energies of
+    /// the step are accounted for if they are `booked`.
+    fn evaluate_at(
+        &mut self,
+        (placed, rates): (&[Vec3], &[Vec3]),
+        when: StepTime,
+        booked: bool,
+    ) -> Result<(), RunError> {
+        let (Some(bay), Nodes::F64(arrays)) = (&self.bay, &mut self.nodes) else {
+            return Ok(());
+        };
+        let terms = bay.terms.with_repeats(true);
+        let quads = |values: &[Vec3]| values.par_iter().map(Quad::from_vector).collect();
+        let moved = core::mem::replace(&mut arrays.displacement, quads(placed));
+        let moving = core::mem::replace(&mut arrays.velocity, quads(rates));
+        let done = self.evaluate_booked(terms, when, booked);
+        if let Nodes::F64(arrays) = &mut self.nodes {
+            (arrays.displacement, arrays.velocity) = (moved, moving);
+        }
+        done
+    }
+
+    /// Accounts for the energies of the step at the state that laws were evaluated at last.
+    fn book_delayed(&mut self, when: StepTime) -> Result<(), RunError> {
+        let Some(bay) = &mut self.bay else {
+            return Ok(());
+        };
+        let solution = &mut bay.solution;
+        let [placed, rates] = [&mut solution.placed, &mut solution.rates].map(core::mem::take);
+        let done = self.evaluate_at((&placed, &rates), when, true);
+        if let Some(bay) = &mut self.bay {
+            (bay.solution.placed, bay.solution.rates) = (placed, rates);
+        }
         done
     }
 }

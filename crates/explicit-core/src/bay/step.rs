@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use powerhouse_model::{ForceTerms, MassDampingRule, Mat3, Quad, RunError, Vec3};
 
-use super::{Bay, Solution};
+use super::{Bay, Best, Solution};
 use crate::Model;
 use crate::groups::Groups;
 use crate::node_group::NodeGroup;
@@ -61,6 +61,7 @@ impl Bay {
         };
         solution.free = vec![Vec3::zeros(); constrained];
         solution.mixing.clear();
+        solution.best = Best::default();
         if self.motion.step != step {
             (self.motion.step, self.motion.settled) = (step, Default::default());
         }

@@ -323,13 +323,23 @@ impl Model {
 
     /// Forces of the elements and loads at the present time, with history variables of the step that ends there.
     pub(crate) fn evaluate(&mut self, terms: ForceTerms, when: StepTime) -> Result<(), RunError> {
+        let is_booked = self.ledger.is_some();
+        self.evaluate_booked(terms, when, is_booked)
+    }
+
+    /// The same forces; blocks account for the energies of the step if they are `booked`, which they may be once per step.
+    pub(crate) fn evaluate_booked(
+        &mut self,
+        terms: ForceTerms,
+        when: StepTime,
+        booked: bool,
+    ) -> Result<(), RunError> {
         let commit = core::mem::take(&mut self.uncommitted);
         let Self {
             nodes,
             blocks,
             loads,
             subdomain,
-            ledger,
             profiler,
             ranks,
             ..
@@ -340,7 +350,7 @@ impl Model {
             let mut evaluation = BlockTerms {
                 when,
                 terms,
-                ledger: ledger.is_some(),
+                ledger: booked,
                 rests: when.step == 0.0,
                 commit,
                 undamped: false,

@@ -12,7 +12,8 @@ use crate::slices::{growth, noise};
 /// What some elements are made of.
 #[derive(Clone, Copy, Debug)]
 enum Weak {
-    Brittle,
+    /// Breaks from a strain (1) on.
+    Brittle(f64),
     Yielding,
 }
 
@@ -23,7 +24,7 @@ fn model(weak: Weak, share: f64, ratio: f64) -> Model {
     let is_weak = |element: &u32| noise(1000 + u64::from(*element)) < 2.0 * share - 1.0;
     let (inside, outside): (Vec<u32>, Vec<u32>) = all.partition(is_weak);
     let law: AnyLaw = match weak {
-        Weak::Brittle => brittle(1e-6),
+        Weak::Brittle(strain) => brittle(strain),
         Weak::Yielding => yielding(),
     };
     let factory = |label: &str, law: AnyLaw| {
@@ -45,7 +46,7 @@ fn model(weak: Weak, share: f64, ratio: f64) -> Model {
 #[test]
 fn nothing_grows_in_a_bay_with_cracks_anywhere() {
     for (share, ratio) in [(0.1, 0.3), (0.3, 0.6), (0.3, 0.7), (0.6, 0.7), (0.3, 0.85)] {
-        for weak in [Weak::Brittle, Weak::Yielding] {
+        for weak in [Weak::Brittle(1e-6), Weak::Yielding] {
             let mut model = model(weak, share, ratio);
             let step = model.stable_step(&Leapfrog).unwrap().step;
             shake(&mut model, 23);
@@ -56,11 +57,11 @@ fn nothing_grows_in_a_bay_with_cracks_anywhere() {
     }
 }
 
-/// What cracks and flows takes the energy that the balance says: what it errs by, from flow within single steps, is that of the same body without waves.
+/// What cracks and flows takes the energy that the balance says.
 #[test]
 fn cracks_anywhere_keep_the_balance_of_energy() {
-    for (weak, name) in [(Weak::Brittle, "damage"), (Weak::Yielding, "plastic")] {
-        let residuals = [0.0, 0.4, 0.7].map(|ratio| {
+    for (weak, name) in [(Weak::Brittle(2e-4), "damage"), (Weak::Yielding, "plastic")] {
+        for ratio in [0.4, 0.7] {
             let mut model = model(weak, 0.3, ratio);
             shake(&mut model, 31);
             let options = RunOptions::steps(2000)
@@ -69,15 +70,10 @@ fn cracks_anywhere_keep_the_balance_of_energy() {
             let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
             let mut terms = report.energies.iter();
             let (_, taken) = terms.find(|(term, _)| *term == name).unwrap();
-            println!(
-                "{weak:?} {ratio}: {:.1e}, {taken:.2e} J",
-                report.energy_residual
-            );
-            assert!(*taken > 0.0, "{weak:?} {ratio}");
-            report.energy_residual
-        });
-        let [plain, waves @ ..] = residuals;
-        let worst = waves[0].max(waves[1]);
-        assert!(worst < 2.0 * plain + 1e-3, "{weak:?}: {residuals:?}");
+            let residual = report.energy_residual;
+            println!("{weak:?} {ratio}: {residual:.1e}, {taken:.2e} J");
+            assert!(*taken > 1.0, "{weak:?} {ratio}: {taken:e}");
+            assert!(residual < 1e-4, "{weak:?} {ratio}: {residual:e}");
+        }
     }
 }
