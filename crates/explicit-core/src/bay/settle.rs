@@ -198,7 +198,7 @@ impl Model {
         let (step, previous) = (when.step, &self.groups.motion.previous);
         let is_first = bay.motion.lacking[0].is_empty();
         // The velocity tells elements how their strain has changed since the step before.
-        let of_node = |node: usize| {
+        let places = |node: usize| {
             let (group, offset) = bay.place[node];
             let now = velocity[group as usize];
             let before = if is_first {
@@ -208,15 +208,10 @@ impl Model {
             };
             let (moved, late) = (&arrays.displacement[node], bay.slowness * offset);
             let rate = (before + now) * 0.5 - (now - before) * (late / step);
-            [moved.to_vector() + now * (after - late), rate]
+            (moved.to_vector() + now * (after - late), rate)
         };
         let nodes = (0..self.mass.len()).into_par_iter();
-        let (placed, rates): (Vec<Vec3>, Vec<Vec3>) = nodes
-            .map(|node| {
-                let [place, rate] = of_node(node);
-                (place, rate)
-            })
-            .unzip();
+        let (placed, rates): (Vec<Vec3>, Vec<Vec3>) = nodes.map(places).unzip();
         let elastic = self.elastic_product(Operator::Elastic, &placed, &|_| 1.0);
         let done = self.evaluate_at((&placed, &rates), when, false);
         let (Some(bay), Nodes::F64(arrays)) = (&mut self.bay, &self.nodes) else {
@@ -248,7 +243,7 @@ impl Model {
         let quads = |values: &[Vec3]| values.par_iter().map(Quad::from_vector).collect();
         let moved = core::mem::replace(&mut arrays.displacement, quads(placed));
         let moving = core::mem::replace(&mut arrays.velocity, quads(rates));
-        let done = self.evaluate_booked(terms, when, booked);
+        let done = self.evaluate_parts(terms, when, booked, false);
         if let Nodes::F64(arrays) = &mut self.nodes {
             (arrays.displacement, arrays.velocity) = (moved, moving);
         }

@@ -324,15 +324,17 @@ impl Model {
     /// Forces of the elements and loads at the present time, with history variables of the step that ends there.
     pub(crate) fn evaluate(&mut self, terms: ForceTerms, when: StepTime) -> Result<(), RunError> {
         let is_booked = self.ledger.is_some();
-        self.evaluate_booked(terms, when, is_booked)
+        self.evaluate_parts(terms, when, is_booked, true)
     }
 
-    /// The same forces; blocks account for the energies of the step if they are `booked`, which they may be once per step.
-    pub(crate) fn evaluate_booked(
+    /// The same forces. Blocks account for the energies of the step if they are `booked`, which they may be once per step; loads stay as they are if
+    /// they are not `loaded` again.
+    pub(crate) fn evaluate_parts(
         &mut self,
         terms: ForceTerms,
         when: StepTime,
         booked: bool,
+        loaded: bool,
     ) -> Result<(), RunError> {
         let commit = core::mem::take(&mut self.uncommitted);
         let Self {
@@ -368,9 +370,11 @@ impl Model {
                         let to = (exchange, &*team);
                         block_forces_sent(subdomain, blocks, motion, forces, evaluation, to)
                     },
-                || loads.evaluate(when.time, profile.map(|profile| &profile.loads)),
+                || if loaded { loads.evaluate(when.time, profile.map(|profile| &profile.loads)) },
             );
-            loads.sums.write_plain(external);
+            if loaded {
+                loads.sums.write_plain(external);
+            }
             if let (Some(profiler), Some(start)) = (profiler.as_deref_mut(), start) {
                 profiler.forces += start.elapsed();
             }

@@ -14,6 +14,7 @@ use powerhouse_model::{
 use super::free::shake;
 use super::{bent, pairs, rock};
 use crate::slices::growth;
+use crate::support::energy_of;
 
 /// Where the second body is.
 #[derive(Clone, Copy, Debug)]
@@ -106,10 +107,7 @@ fn joints_of_bays_keep_the_balance_of_energy() {
                 .with_step(StepChoice::Stable)
                 .with_energy(EnergyCheck::every(5));
             let report = run(&mut model, &Leapfrog, &options, &mut [], &mut |_| {}).unwrap();
-            let energy = |name: &str| {
-                let mut terms = report.energies.iter();
-                terms.find(|(term, _)| *term == name).unwrap().1
-            };
+            let energy = |name: &str| energy_of(&report, name);
             let (residual, slid) = (report.energy_residual, energy("friction"));
             println!(
                 "{shape:?} {strength:.0e}: {residual:.1e}, kinetic {:.2e}, friction {slid:.2e}, impact {:.2e}",
