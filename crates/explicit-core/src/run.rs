@@ -195,6 +195,7 @@ fn run_steps(
     report.energy_residual = residual;
     report.hourglass = hourglass;
     report.fibre_energies = fibres;
+    report.unsolved = (model.bay.as_ref()).and_then(|bay| bay.motion.unsolved);
     let completed = result.map(|ended| report.ended = ended);
     Ok((report, completed))
 }

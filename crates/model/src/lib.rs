@@ -145,7 +145,7 @@ pub use ranks::{Message, RankError, RankForecast, Ranks, SingleRank, ThreadRanks
 pub use reach::{Reach, Selection};
 pub use run::{
     DeviceShare, Ended, EnergyCheck, Length, Progress, RunFailure, RunOptions, RunReport,
-    StepChoice,
+    StepChoice, UnsolvedSteps,
 };
 pub use saved_run::{CheckpointSink, SavedRun, SavedSection};
 #[cfg(feature = "serde")]

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use serde::{Deserialize, Serialize};
+
 use crate::{CheckpointSink, HourglassShare, RunError, SavedRun, StableStep, StepProfile};
 
 /// Duration of a run, as time or number of steps.
@@ -226,6 +228,43 @@ pub struct RunReport {
     /// Largest kinetic energy of the added inertia of [fibres](crate::Fibre), and of their masses, over the readings of
     /// the energy balance (J); zero without them.
     pub fibre_energies: [f64; 2],
+    /// Steps whose equations had to be solved by iterations, and were not; none of engines and models without them.
+    pub unsolved: Option<UnsolvedSteps>,
+}
+
+/// Steps of a run whose equations were not solved in the permitted number of iterations, so that the best solution that was found was taken.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct UnsolvedSteps {
+    /// Number of such steps.
+    pub steps: u64,
+    /// Largest difference of the velocities that were taken from those that follow from them, over the motion (1).
+    pub worst: f64,
+    /// Time (s) of the step that has it.
+    pub time: f64,
+}
+
+impl UnsolvedSteps {
+    /// These steps and one more at a time (s), with its difference over the motion (1).
+    pub fn with(earlier: Option<Self>, time: f64, difference: f64) -> Self {
+        let one = Self {
+            steps: 1,
+            worst: difference,
+            time,
+        };
+        let Some(earlier) = earlier else {
+            return one;
+        };
+        let worse = if difference > earlier.worst {
+            one
+        } else {
+            earlier
+        };
+        Self {
+            steps: earlier.steps + 1,
+            ..worse
+        }
+    }
 }
 
 /// Share of a device in the steps of a run.
@@ -263,6 +302,7 @@ impl RunReport {
             energy_residual: 0.0,
             hourglass: Vec::new(),
             fibre_energies: [0.0; 2],
+            unsolved: None,
         }
     }
 }

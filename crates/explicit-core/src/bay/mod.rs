@@ -43,7 +43,7 @@ mod settle;
 mod skew;
 mod step;
 
-use powerhouse_model::{ForceTerms, MassDampingRule, Mat3, Mesh, Vec3};
+use powerhouse_model::{ForceTerms, MassDampingRule, Mat3, Mesh, UnsolvedSteps, Vec3};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use copies::{Carriers, Copies};
@@ -66,6 +66,8 @@ pub(crate) struct BayMotion {
     step: f64,
     /// `D V` (N) of the last two steps, the later one first; empty before them.
     turned: [Vec<Vec3>; 2],
+    /// Steps whose laws and constraints were not solved.
+    pub(crate) unsolved: Option<UnsolvedSteps>,
 }
 
 /// Solution of a step. Velocities are in m/s.

@@ -1,6 +1,6 @@
 //! Laws and constraints of a step of a bay, which depend on the velocities after it as these depend on them.
 
-use powerhouse_model::{ConstraintWork, Operator, Quad, RunError, StepTime, Vec3};
+use powerhouse_model::{ConstraintWork, Operator, Quad, RunError, StepTime, UnsolvedSteps, Vec3};
 use rayon::prelude::*;
 
 use super::{Bay, Best};
@@ -113,7 +113,7 @@ impl Model {
     /// the work of the constraints.
     pub(crate) fn correct_bay(&mut self, step: f64) -> Result<Vec<ConstraintWork>, RunError> {
         self.repeat_constraints(true);
-        let mut iteration = 0;
+        let (mut iteration, time) = (0, self.time);
         loop {
             let work = self.correct_once(step)?;
             if self.fault.is_some() {
@@ -130,6 +130,10 @@ impl Model {
             let answer = bay.answer(&self.groups, step);
             let (left, size) = bay.difference(&answer);
             if size <= SETTLED || iteration > MOST_ITERATIONS {
+                if size > SETTLED {
+                    let earlier = bay.motion.unsolved;
+                    bay.motion.unsolved = Some(UnsolvedSteps::with(earlier, time, size));
+                }
                 bay.keep(answer);
                 if self.ledger.is_some() && !bay.is_linear {
                     self.book_delayed(self.present_step(step))?;

@@ -41,6 +41,7 @@ impl Results {
         worst.extend(self.unbalanced());
         worst.extend(self.heavy_fibres());
         worst.extend(self.crack_energy());
+        worst.extend(self.unsolved());
         worst.extend(self.section_uses().iter().filter_map(capacity::beyond));
         worst.extend(sampling::warnings(
             self.histories(),
@@ -76,6 +77,12 @@ impl Results {
             recovery,
             integration,
         }))
+    }
+    /// Warning about steps of a bay that were not solved.
+    fn unsolved(&self) -> Option<Remark> {
+        let unsolved = self.run.unsolved?;
+        let steps = self.run.steps;
+        Some(Remark::from(remark::UnsolvedSteps { unsolved, steps }))
     }
     /// Warning about an in-situ stress that is not in equilibrium with the loads of the first stage, unless that stage
     /// changes the body.

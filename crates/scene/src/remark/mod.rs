@@ -228,6 +228,7 @@ remarks! {
         Hourglass(Hourglass),
         CrackEnergy(CrackEnergy),
         HeavyFibres(HeavyFibres),
+        UnsolvedSteps(UnsolvedSteps),
         MeshFile(MeshFile),
         MeshContent(MeshContent),
         MeshLeftOut(MeshLeftOut),

@@ -99,3 +99,18 @@ remark! {
     100.0 * share,
     50.0 * share
 }
+
+remark! {
+    /// Warning after the run: laws and joints of some steps of a bay were not solved together with its velocities.
+    pub struct UnsolvedSteps {
+        /// The steps.
+        pub unsolved: powerhouse_model::UnsolvedSteps,
+        /// Number of steps of the run.
+        pub steps: u64,
+    }
+    Warning(Energy),
+    "in {} of {steps} steps the iterations of the bay did not end: velocities of them err by up to {:.1e} of the motion, at {:.4} s the most; laws whose stress falls at once, such as joints that break without an energy, have steps without a solution: compare with a shorter step (`safety = 0.4` in `[time]`), or give joints their energies",
+    unsolved.steps,
+    unsolved.worst,
+    unsolved.time
+}
