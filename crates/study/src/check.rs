@@ -386,6 +386,7 @@ fn check_within(
         step,
         wall_time: of_step.mul_f64(steps as f64),
         profile,
+        iterates: model.iterates(),
         stages: of_stages,
         self_check,
         memory: model.memory(steps),

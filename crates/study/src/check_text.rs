@@ -7,6 +7,7 @@ use powerhouse::engine::observe::SectionGeometry;
 use powerhouse::model::Vec3;
 use powerhouse::{FibreChoice, OF_FIBRES_ALONE, Remark, Results, StageOverview, merge_messages};
 
+use crate::Cost;
 use crate::check::{CheckReport, Warning};
 use crate::static_cost::StaticCost;
 use crate::text::{self, bytes, duration, line};
@@ -118,6 +119,13 @@ fn whole(out: &mut String, report: &CheckReport) {
         cost.steps,
         duration(cost.wall_time)
     );
+    if cost.iterates {
+        line!(
+            out,
+            "up to {} times as long where much yields, cracks or slips: a step of a bay then takes several iterations, and those that were timed have one",
+            Cost::LONGER
+        );
+    }
     if let Some(profile) = &cost.profile {
         line!(
             out,

@@ -21,6 +21,9 @@ pub struct Cost {
     pub wall_time: Duration,
     /// Wall time of the parts of some of the timed steps; `None` for a run that is too short for it.
     pub profile: Option<StepProfile>,
+    /// Whether the number of iterations in a step grows as laws and joints change, as in bays of an endless row: the timed steps had one each, and the run
+    /// takes up to [`LONGER`](Self::LONGER) times as long.
+    pub iterates: bool,
     /// Predicted cost of the construction stages before the run; `None` without stages.
     pub stages: Option<StaticCost>,
     /// Predicted wall time of the free-field check before the run; `None` if the scene does not request one.
@@ -35,6 +38,11 @@ pub struct Cost {
     pub memory_of_format: Option<u64>,
     /// Upper bound of the size of the result files (bytes).
     pub output: u64,
+}
+
+impl Cost {
+    /// Wall time of the run of a bay that cracks and slips over that of as many steps before anything does (1).
+    pub const LONGER: f64 = 3.0;
 }
 
 /// Steps before the timing, of which at least twice as many are timed; least timed duration, and share of the run
@@ -188,6 +196,9 @@ const SHOWN_BYTES: f64 = 96.0;
 const STATIC_NODE_BYTES: f64 = 2500.0;
 const STATIC_ELEMENT_BYTES: f64 = 600.0;
 const STATIC_HISTORY_BYTES: f64 = 24.0;
+/// Bytes per node of an element of a bay, each of which has nodes of its own: their motion, places and forces in each iteration, and their share of the skew
+/// matrix and of its assembly. Measured on the bay of `data/scenes/wang_2019.toml`, elastic, bonded, and with all laws and joints: 1,180 to 1,650.
+const BAY_NODE_BYTES: f64 = 1250.0;
 /// Bytes per absorbing node: its matrices, and the constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
 /// Bytes per node pair of a joint: geometry, state, matrices, and two copies of the recorded values.
@@ -202,6 +213,8 @@ pub(crate) struct CostModel {
     scale: OutputScale,
     precision: Precision,
     absorbing_nodes: usize,
+    /// Nodes of the elements of a bay of an endless row; none in other bodies.
+    bay_nodes: usize,
     /// Node pairs of all joints.
     pairs: usize,
     /// Waves in layered ground, whose tables grow while the scene is prepared.
@@ -240,6 +253,11 @@ impl CostModel {
             scale: scene.output_scale()?,
             precision: scene.precision(),
             absorbing_nodes: absorbing.len(),
+            bay_nodes: if scene.is_bay() {
+                element_nodes(mesh)
+            } else {
+                0
+            },
             pairs: joints.map(|(_, surface, _)| surface.pairs.len()).sum(),
             layered: scene.layered_waves().to_vec(),
         })
@@ -261,7 +279,13 @@ impl CostModel {
             + of_precision(HISTORY_BYTES, precision) * self.scale.laws.numbers as f64
             + SHOWN_BYTES * self.scale.laws.with_history as f64
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
+            + BAY_NODE_BYTES * self.bay_nodes as f64
             + PAIR_BYTES * self.pairs as f64
+    }
+
+    /// Whether steps are solved by iterations whose number depends on what laws and joints do.
+    pub(crate) fn iterates(&self) -> bool {
+        self.bay_nodes > 0 && (self.pairs > 0 || self.scale.laws.with_history > 0)
     }
 
     /// Memory of the waves in layered ground with the tables that they have now (bytes).

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use powerhouse::boundary::ViscousSpring;
 use powerhouse::engine::{StaticOptions, Support};
-use powerhouse::material::LinearElastic;
+use powerhouse::material::{ElastoPlastic, LinearElastic, MohrCoulomb, presets};
 use powerhouse::model::{Axis, ElasticMedium, Mesh, PeriodicPairs, Rayleigh, Vec3};
 use powerhouse::wavefield::{Angle, PlaneWave, PlaneWaveParameters, SmoothPulse, WaveKind};
 use powerhouse::{
@@ -237,6 +237,32 @@ fn a_long_body_under_waves_along_it_is_a_slice() {
             .support(Support::fixed(nodes))
     };
     assert!(proposed(held(bottom)).is_none());
+}
+
+/// The forecast of a bay has the nodes that each of its elements has for itself, and says that steps take longer once a law yields.
+#[test]
+fn a_bay_costs_more_than_periodic_ends() {
+    let yields = ElastoPlastic::new(MohrCoulomb::new(presets::PAPER_ROCK).unwrap());
+    for (material, iterates) in [(rock(), false), (Material::from(yields), true)] {
+        let mesh = ground(1.0);
+        let elements = mesh.element_count() as u64;
+        let [from, to] =
+            ["front", "back"].map(|side| mesh.nodes_of_facets(mesh.facet_set(side).unwrap()));
+        let pairs = PeriodicPairs::by_translation(&mesh, &from, &to, 1e-6).unwrap();
+        let body = || {
+            let part = Part::new("rock", material.clone());
+            scene(mesh.clone(), &["left", "right", "bottom"]).part(part)
+        };
+        let delayed = check(body().with_delayed_sides(pairs.clone())).unwrap();
+        let periodic = check(body().with_periodic_pairs(pairs)).unwrap();
+        let more = delayed.cost.memory.saturating_sub(periodic.cost.memory);
+        assert!(more > 1000 * 8 * elements, "{more} bytes");
+        for (report, expected) in [(&delayed, iterates), (&periodic, false)] {
+            assert_eq!(report.cost.iterates, expected);
+            let told = report.to_string().contains("takes several iterations");
+            assert_eq!(told, expected);
+        }
+    }
 }
 
 /// A body with a constant section needs one layer, nearer faces leave the predicted number of elements, and a few thin

@@ -448,7 +448,8 @@ impl<L: ContactLaw> Constraint for Joint<L> {
                 step: motion.number,
                 reason: format!(
                     "the solution of {} connected pairs has not converged after {} sweeps: the last one \
-                     changed the motion by {:.1e} of the change by all their impulses",
+                     changed the motion by {:.1e} of the change by all their impulses; give a shorter step, a finer mesh at the joint or larger \
+                     fracture energies",
                     group.pair_count(),
                     left.sweeps,
                     left.residual

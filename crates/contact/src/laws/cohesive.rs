@@ -252,11 +252,12 @@ impl Cohesive {
     }
 
     /// The bond of a closed pair that softens, if it does not slide in a step: with its secant stiffness up to the separation that
-    /// it had, else on the envelope at the mean displacement, as if it slid by nothing.
+    /// it had, else on the envelope at the mean displacement, as if it slid by nothing. The stiffness (Pa/m) is that of the secant, the compliance (m/Pa) that
+    /// of the nodes in a step.
     fn still(
         &self,
         strengths: &Strengths,
-        stiffness: f64,
+        (stiffness, compliance): (f64, f64),
         now: &Split,
         before: &Split,
     ) -> StillBond {
@@ -271,16 +272,18 @@ impl Cohesive {
                 change: BondChange::elastic(0.5 * own * now.shear().powi(2)),
             };
         }
+        // The end of the step and its bound are those of a pair that slides by nothing under this traction.
         let mean = [0, 1].map(|c| 0.25 * (3.0 * now.tangential[c] + before.tangential[c]));
-        let along = mean[0].hypot(mean[1]);
-        let separation = (ratio * along).max(reached);
-        let share = if along > 0.0 {
-            ratio * envelope(tensile, last, separation) / along
-        } else {
-            0.0
+        let soft = compliance * ratio * ratio;
+        let end_after = |separation: f64| {
+            let free = ratio * now.shear() + soft * envelope(tensile, last, separation);
+            free / (1.0 + soft * stiffness)
         };
+        let furthest = bisected(|separation| end_after(separation) - separation, last);
+        let separation = (ratio * mean[0].hypot(mean[1])).min(furthest).max(reached);
+        let share = ratio * envelope(tensile, last, separation) / now.shear();
         StillBond {
-            traction: mean.map(|part| share * part),
+            traction: now.tangential.map(|part| share * part),
             change: BondChange::on_envelope(tensile, [reached, last], separation),
         }
     }
@@ -325,7 +328,7 @@ impl Cohesive {
             let still = if intact {
                 StillBond::default()
             } else {
-                self.still(strengths, stiffness, &now, &before)
+                self.still(strengths, (stiffness, compliance), &now, &before)
             };
             let beside = [0, 1].map(|c| stick[c] - still.traction[c]);
             let (size, most) = (beside[0].hypot(beside[1]), -law.dynamic_friction * trial.x);
@@ -380,10 +383,13 @@ impl Cohesive {
             |_, sliding| sliding / (1.0 + compliance * ratio * ratio * stiffness),
         );
         let end_size = secant_end.normal.hypot(ratio * secant_end.shear());
+        // The mean of a pair that turns back may be beyond its end: it softens as far as its end is, as it would not soften if that were
+        // within what was reached, so that the traction has no jump.
+        let furthest = if intact { last } else { end_size };
         let (traction, change) = if !intact && end_size <= reached {
             let stored = 0.5 * stiffness * end_size * end_size;
             (bond(stiffness, secant_end), BondChange::elastic(stored))
-        } else if size >= last {
+        } else if size.min(furthest) >= last {
             let none = Split {
                 normal: 0.0,
                 tangential: [0.0; 2],
@@ -407,7 +413,7 @@ impl Cohesive {
                 (mean.normal - taken * along.normal).hypot(slid[0].hypot(slid[1]))
             };
             let root = bisected(|separation| mean_after(separation) - separation, last);
-            let separation = root.max(reached).max(ONSET * last);
+            let separation = root.min(furthest).max(reached).max(ONSET * last);
             let bearing = envelope(tensile, last, separation);
             let traction = Split {
                 normal: bearing * along.normal,

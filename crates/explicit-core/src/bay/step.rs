@@ -66,6 +66,13 @@ impl Bay {
             (self.motion.step, self.motion.settled) = (step, Default::default());
         }
         solution.guess = next_after(&self.motion.settled);
+        if solution.guess.is_empty() {
+            // Laws lack as much as they did, such as the whole stress of a body under load.
+            let lack = |(g, [force, moment]): (usize, &[Vec3; 2])| {
+                response(g, &(force * (0.5 * step) + moment * self.slowness))
+            };
+            (solution.guess).extend(lacking.iter().enumerate().map(lack));
+        }
         (solution.guess).resize(laws + constrained, Vec3::zeros());
         solution.sum = solution.wanted();
         let turned = next_after(&self.motion.turned);

@@ -110,10 +110,13 @@ fn joints_of_bays_keep_the_balance_of_energy() {
             let energy = |name: &str| energy_of(&report, name);
             let (residual, slid) = (report.energy_residual, energy("friction"));
             println!(
-                "{shape:?} {strength:.0e}: {residual:.1e}, kinetic {:.2e}, friction {slid:.2e}, impact {:.2e}",
+                "{shape:?} {strength:.0e}: {residual:.1e}, kinetic {:.2e}, friction {slid:.2e}, impact {:.2e}, not solved {:?}",
                 energy("kinetic"),
-                energy("impact")
+                energy("impact"),
+                report.unsolved
             );
+            let unsolved = report.unsolved.map_or(0, |unsolved| unsolved.steps);
+            assert!(unsolved <= if strength < 1e20 { 4 } else { 0 });
             assert!(residual < limit, "{shape:?} {strength:e}: {residual:e}");
             assert_eq!(slid > 0.0, strength < 1e20, "{slid:e}");
         }

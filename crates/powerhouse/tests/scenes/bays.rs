@@ -266,6 +266,8 @@ set = "lining"
         let periodic = run(&text
             .replacen("incidence = 15", "incidence = 0", 1)
             .replacen("delayed", "periodic", 1));
+        // Laws and bolts begin with the forces that hold the body.
+        assert_eq!(delayed.run.unsolved, None);
         let [tables_a, tables_b] = [delayed.histories(), periodic.histories()];
         for column in ["front.uy", "back.uy"] {
             let [a, b] = [&tables_a, &tables_b].map(|t| &t.column(column).unwrap().values);

@@ -109,7 +109,7 @@ remark! {
         pub steps: u64,
     }
     Warning(Energy),
-    "in {} of {steps} steps the iterations of the bay did not end: velocities of them err by up to {:.1e} of the motion, at {:.4} s the most; laws whose stress falls at once, such as joints that break without an energy, have steps without a solution: compare with a shorter step (`safety = 0.4` in `[time]`), or give joints their energies",
+    "in {} of {steps} steps the iterations of the bay did not end: velocities of them err by up to {:.1e} of the motion, at {:.4} s the most; where the answer of a law or joint jumps, as where a brittle bond breaks or sides meet at an angle, a step may have no solution: compare with a shorter step (`safety = 0.4` in `[time]`)",
     unsolved.steps,
     unsolved.worst,
     unsolved.time
