@@ -3,7 +3,7 @@
 use powerhouse_contact::{Cohesive, CohesiveParameters, Joint, StrengthReduction};
 use powerhouse_model::{
     Bond, Constraint, ConstraintWork, ContactLaw, ContactState, ElasticMedium, JointConstraint,
-    JointPair, JointRecord, Mat3, PredictedMotion, StepTime, Vec3,
+    JointInput, JointPair, JointRecord, Mat3, PredictedMotion, StepTime, Vec3,
 };
 use proptest::prelude::*;
 
@@ -563,6 +563,61 @@ fn a_bond_on_its_way_has_no_impact() {
                 0.25 / f64::from(steps)
             };
             assert!(share < allowed, "{steps} {angle}: {share:e} {allowed:e}");
+        }
+    }
+}
+
+proptest! {
+    /// The traction of a bond that softens has no jump, whatever its pair has done: where it turns back, opens on, stops or begins to slide, small
+    /// changes of the trial change it by a little. (Sides that meet or part do jump, so that all trials of a line press, or none.)
+    #[test]
+    fn the_traction_of_a_softening_bond_has_no_jump(
+        steepness in 0.1..2.9_f64,
+        reached in 0.02..0.9_f64,
+        [opened, opened_before] in [0.0..1.3_f64, 0.0..1.3],
+        slid in [-1.3..1.3_f64, -1.3..1.3],
+        slid_before in [-1.3..1.3_f64, -1.3..1.3],
+        pressed in any::<bool>(),
+        from in [0.0..3.0_f64, -4.0..4.0, -4.0..4.0],
+        to in [0.0..3.0_f64, -4.0..4.0, -4.0..4.0],
+    ) {
+        let law = Cohesive::new(CohesiveParameters {
+            reduction: StrengthReduction::None,
+            ..CONCRETE
+        })
+        .unwrap();
+        let (tensile, last, ratio) = (1e6, 2e-4, 2.0);
+        let separation = reached * last;
+        let mut history = vec![0.0; law.history().len()];
+        history[0] = separation / (tensile * (1.0 - reached));
+        // A pair that presses is closed.
+        let [opened, opened_before] = [opened, opened_before].map(|o| if pressed { 0.0 } else { o * separation });
+        let [slid, slid_before] = [slid, slid_before].map(|s| s.map(|s| s * separation / ratio));
+        let step = 1e-3;
+        let rates = [0, 1].map(|c| (slid[c] - slid_before[c]) / step);
+        let state = law.initial().with_bond(Bond::Softening).with_contact(ContactState::Slide);
+        let traction = |trial: Vec3| {
+            let input = JointInput::new(trial, &state)
+                .with_history(&history)
+                .with_motion(opened, rates)
+                .with_shear_displacement(slid, (opened - opened_before) / step)
+                .with_step(0.0, step, steepness * last / tensile / step);
+            law.admissible(&input, &mut history.clone()).traction
+        };
+        let [from, to] = [from, to].map(|[x, y, z]| Vec3::new(if pressed { -x } else { x }, y, z) * tensile);
+        let at = |share: f64| from + (to - from) * share;
+        for cell in 0..400 {
+            let [mut low, mut high] = [cell, cell + 1].map(|c| f64::from(c) / 400.0);
+            let jump = |low: f64, high: f64| (traction(at(high)) - traction(at(low))).norm();
+            while high - low > 1e-12 && jump(low, high) > 0.001 * tensile {
+                let middle = 0.5 * (low + high);
+                if jump(low, middle) > jump(middle, high) {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            prop_assert!(jump(low, high) <= 0.001 * tensile, "{} Pa at {low} of the way", jump(low, high));
         }
     }
 }

@@ -194,14 +194,18 @@ impl Scene {
         if !self.is_bay() || self.slowness_along_y() == 0.0 {
             return Ok(());
         }
-        let runs_along = |line: &BoltLine| {
+        let along = |line: &BoltLine| {
             let axis = line.toe - line.head;
-            axis.y.abs() > ALONG * axis.norm()
+            axis.y.abs() / axis.norm()
         };
-        let Some(place) = lines.iter().position(runs_along) else {
+        let Some(place) = lines.iter().position(|line| along(line) > ALONG) else {
             return Ok(());
         };
-        let what = format!("bolts '{name}', of which number {} runs along y", place + 1);
+        let what = format!(
+            "bolts '{name}', of which number {} runs along y by {:.3} of its length, above {ALONG}",
+            place + 1,
+            along(&lines[place])
+        );
         let way = "a bay takes bolts across y; leave those along y out, or take several bays with their whole length";
         Err(with(what, way).into())
     }
@@ -437,7 +441,11 @@ impl Scene {
                 return Err(with(format!("the flat damping of part '{set}'"), way));
             }
             if part.damping.rayleigh().stiffness != 0.0 || part.high != 0.0 {
-                let way = "give the part damping proportional to mass, or none";
+                let way = if is_bay {
+                    "give the part flat damping without `high`, damping proportional to mass (`kind = \"coefficients\"`, `stiffness = 0`), or none"
+                } else {
+                    "give the part damping proportional to mass (`kind = \"coefficients\"`, `stiffness = 0`), or none"
+                };
                 return Err(with(format!("the stiffness damping of part '{set}'"), way));
             }
             if part.material.pore_water().is_some() {

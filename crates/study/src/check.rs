@@ -86,6 +86,8 @@ pub enum Warning {
         growth: f64,
         /// Speed of S waves (m/s).
         s_speed: f64,
+        /// Whether the body takes damping of high frequencies; one with delayed ends does not.
+        takes_high: bool,
     },
     /// A part of tetrahedra with midpoints along the absorbing faces: it carries the waves, and its lumped masses ring.
     Ringing {
@@ -205,10 +207,16 @@ impl fmt::Display for Warning {
                 set,
                 growth,
                 s_speed,
+                takes_high,
             } => write!(
                 f,
-                "part '{set}' flows with a dilation far below its friction, and nothing damps its high frequencies: in compression waves of wave number k then grow as exp(k t {growth:.0} m/s), {:.2} of the speed of S waves, the shorter the faster. Accelerations of what flows are noise of the mesh, at any time step. Ways out: `damping = {{ kind = \"high\", ratio = 0.05 }}`, or `high = 0.05` in flat damping, which takes 5 % of the stable step; a `dilation` of two thirds of the friction or more, or law = \"drucker-prager\", which change strength and volume where flow is confined",
-                growth / s_speed
+                "part '{set}' flows with a dilation far below its friction, and nothing damps its high frequencies: in compression waves of wave number k then grow as exp(k t {growth:.0} m/s), {:.2} of the speed of S waves, the shorter the faster. Accelerations of what flows are noise of the mesh, at any time step. Ways out: {}a `dilation` of two thirds of the friction or more, or law = \"drucker-prager\", which change strength and volume where flow is confined",
+                growth / s_speed,
+                if *takes_high {
+                    "`damping = { kind = \"high\", ratio = 0.05 }`, or `high = 0.05` in flat damping, which takes 5 % of the stable step; "
+                } else {
+                    ""
+                }
             ),
             Self::Ringing {
                 set,
@@ -521,6 +529,7 @@ fn shape_warnings(scene: &Scene, quality: &QualityReport) -> Result<Vec<Warning>
                 set: part.set.clone(),
                 growth,
                 s_speed: medium.s_speed(),
+                takes_high: scene.delayed_sides().is_none(),
             });
         }
     }

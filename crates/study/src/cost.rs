@@ -196,9 +196,9 @@ const SHOWN_BYTES: f64 = 96.0;
 const STATIC_NODE_BYTES: f64 = 2500.0;
 const STATIC_ELEMENT_BYTES: f64 = 600.0;
 const STATIC_HISTORY_BYTES: f64 = 24.0;
-/// Bytes per node of an element of a bay, each of which has nodes of its own: their motion, places and forces in each iteration, and their share of the skew
-/// matrix and of its assembly. Measured on the bay of `data/scenes/wang_2019.toml`, elastic, bonded, and with all laws and joints: 1,180 to 1,650.
-const BAY_NODE_BYTES: f64 = 1250.0;
+/// Bytes per node of an element of a bay, each of which has nodes of its own, of linear bodies and of others: their motion, places and forces in each iteration,
+/// and their share of the skew matrix. Measured on boxes of 8,000 and 26,000 bricks: 646 to 654, and 922 to 1,020 with yield or flat damping.
+const BAY_NODE_BYTES: [f64; 2] = [650.0, 950.0];
 /// Bytes per absorbing node: its matrices, and the constants of three waves.
 const BOUNDARY_NODE_BYTES: f64 = 600.0;
 /// Bytes per node pair of a joint: geometry, state, matrices, and two copies of the recorded values.
@@ -271,6 +271,7 @@ impl CostModel {
         let all = element_nodes(mesh);
         let elements = 0..mesh.element_count() as u32;
         let is_brick = |&element: &u32| mesh.kind(element) == ElementKind::Hex8;
+        let of_bay = BAY_NODE_BYTES[usize::from(self.scale.laws.with_history > 0)];
         let of_bricks = 8 * elements.filter(is_brick).count();
         BASE_BYTES
             + NODE_BYTES * nodes
@@ -279,7 +280,7 @@ impl CostModel {
             + of_precision(HISTORY_BYTES, precision) * self.scale.laws.numbers as f64
             + SHOWN_BYTES * self.scale.laws.with_history as f64
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
-            + BAY_NODE_BYTES * self.bay_nodes as f64
+            + of_bay * self.bay_nodes as f64
             + PAIR_BYTES * self.pairs as f64
     }
 
