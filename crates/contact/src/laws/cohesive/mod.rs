@@ -1,5 +1,7 @@
 //! Cohesive bond with fracture energies, and Coulomb friction.
 
+mod envelope;
+
 use std::sync::Arc;
 
 #[cfg(feature = "keys")]
@@ -9,6 +11,7 @@ use powerhouse_model::{
     JointResponse, JointState, ParameterError, Vec3,
 };
 
+use self::envelope::{BondChange, StillBond, bearing, envelope};
 use super::{bisected, check_friction, opened, shear, with_shear};
 
 /// Parameters of a bond that fails gradually, with fracture energies, and Coulomb friction ([`Cohesive`]).
@@ -252,12 +255,11 @@ impl Cohesive {
     }
 
     /// The bond of a closed pair that softens, if it does not slide in a step: with its secant stiffness up to the separation that
-    /// it had, else on the envelope at the mean displacement, as if it slid by nothing. The stiffness (Pa/m) is that of the secant, the compliance (m/Pa) that
-    /// of the nodes in a step.
+    /// it had, else on the envelope at the mean displacement, as if it slid by nothing.
     fn still(
         &self,
         strengths: &Strengths,
-        (stiffness, compliance): (f64, f64),
+        stiffness: f64,
         now: &Split,
         before: &Split,
     ) -> StillBond {
@@ -265,26 +267,24 @@ impl Cohesive {
         let ratio = cohesion / tensile;
         let last = 2.0 * self.0.shear_energy / tensile;
         let reached = tensile / (stiffness + tensile / last);
-        if ratio * now.shear() <= reached {
+        let mean = [0, 1].map(|c| 0.25 * (3.0 * now.tangential[c] + before.tangential[c]));
+        let (end, along) = (ratio * now.shear(), ratio * mean[0].hypot(mean[1]));
+        if end.max(along) <= reached {
             let own = ratio * ratio * stiffness;
             return StillBond {
                 traction: now.tangential.map(|part| own * part),
                 change: BondChange::elastic(0.5 * own * now.shear().powi(2)),
             };
         }
-        // The end of the step and its bound are those of a pair that slides by nothing under this traction.
-        let mean = [0, 1].map(|c| 0.25 * (3.0 * now.tangential[c] + before.tangential[c]));
-        let soft = compliance * ratio * ratio;
-        let end_after = |separation: f64| {
-            let free = ratio * now.shear() + soft * envelope(tensile, last, separation);
-            free / (1.0 + soft * stiffness)
+        let separation = along.max(reached);
+        let share = if end > 0.0 {
+            ratio * bearing(tensile, last, separation, end) / now.shear()
+        } else {
+            0.0
         };
-        let furthest = bisected(|separation| end_after(separation) - separation, last);
-        let separation = (ratio * mean[0].hypot(mean[1])).min(furthest).max(reached);
-        let share = ratio * envelope(tensile, last, separation) / now.shear();
         StillBond {
             traction: now.tangential.map(|part| share * part),
-            change: BondChange::on_envelope(tensile, [reached, last], separation),
+            change: BondChange::on_envelope(tensile, [reached, last], separation, end),
         }
     }
 
@@ -328,7 +328,7 @@ impl Cohesive {
             let still = if intact {
                 StillBond::default()
             } else {
-                self.still(strengths, (stiffness, compliance), &now, &before)
+                self.still(strengths, stiffness, &now, &before)
             };
             let beside = [0, 1].map(|c| stick[c] - still.traction[c]);
             let (size, most) = (beside[0].hypot(beside[1]), -law.dynamic_friction * trial.x);
@@ -378,48 +378,61 @@ impl Cohesive {
                 tangential: end.tangential.map(|part| shear * part),
             }
         };
-        let secant_end = free.map(
-            |opening| opening / (1.0 + compliance * stiffness),
-            |_, sliding| sliding / (1.0 + compliance * ratio * ratio * stiffness),
-        );
-        let end_size = secant_end.normal.hypot(ratio * secant_end.shear());
-        // The mean of a pair that turns back may be beyond its end: it softens as far as its end is, as it would not soften if that were
-        // within what was reached, so that the traction has no jump.
-        let furthest = if intact { last } else { end_size };
-        let (traction, change) = if !intact && end_size <= reached {
+        // End of the step with a secant stiffness.
+        let ended = |secant: f64| {
+            free.map(
+                |opening| opening / (1.0 + compliance * secant),
+                |_, sliding| sliding / (1.0 + compliance * ratio * ratio * secant),
+            )
+        };
+        let size_of = |end: &Split| end.normal.hypot(ratio * end.shear());
+        let secant_end = ended(stiffness);
+        let end_size = size_of(&secant_end);
+        // In scaled space, where the bond is the same in all directions: tractions along the end of the step if the bond did not
+        // soften, as where it unloads, so that small changes of the trial cause small changes of the traction.
+        let along = if intact {
+            free.map(|opening| opening, |_, sliding| sliding / ratio)
+        } else {
+            secant_end.map(|opening| opening, |_, sliding| ratio * sliding)
+        };
+        let length = along.normal.hypot(along.shear()).max(f64::MIN_POSITIVE);
+        let along = along.map(|part| part / length, |_, part| part / length);
+        // A pair that turns back ends within the separation that its mean has.
+        let end_after = |separation: f64| {
+            if intact {
+                separation
+            } else {
+                size_of(&ended(envelope(tensile, last, separation) / separation))
+            }
+        };
+        let bears = |separation: f64| bearing(tensile, last, separation, end_after(separation));
+        let mean_after = |separation: f64| {
+            let taken = 0.25 * compliance * bears(separation);
+            let slid =
+                [0, 1].map(|c| ratio * (mean.tangential[c] - ratio * taken * along.tangential[c]));
+            (mean.normal - taken * along.normal).hypot(slid[0].hypot(slid[1]))
+        };
+        let is_within = || end_size <= reached && mean_after(reached) <= reached;
+        let (traction, change) = if !intact && is_within() {
             let stored = 0.5 * stiffness * end_size * end_size;
             (bond(stiffness, secant_end), BondChange::elastic(stored))
-        } else if size.min(furthest) >= last {
+        } else if size >= last {
             let none = Split {
                 normal: 0.0,
                 tangential: [0.0; 2],
             };
-            let change = BondChange::on_envelope(tensile, [reached, last], last);
+            let change = BondChange::on_envelope(tensile, [reached, last], last, last);
             (none, change)
         } else {
-            // In scaled space, where the bond is the same in all directions: tractions along the end of the step if the bond did not
-            // soften, as where it unloads, so that small changes of the trial cause small changes of the traction.
-            let along = if intact {
-                free.map(|opening| opening, |_, sliding| sliding / ratio)
-            } else {
-                secant_end.map(|opening| opening, |_, sliding| ratio * sliding)
-            };
-            let length = along.normal.hypot(along.shear());
-            let along = along.map(|part| part / length, |_, part| part / length);
-            let mean_after = |separation: f64| {
-                let taken = 0.25 * compliance * envelope(tensile, last, separation);
-                let slid = [0, 1]
-                    .map(|c| ratio * (mean.tangential[c] - ratio * taken * along.tangential[c]));
-                (mean.normal - taken * along.normal).hypot(slid[0].hypot(slid[1]))
-            };
             let root = bisected(|separation| mean_after(separation) - separation, last);
-            let separation = root.min(furthest).max(reached).max(ONSET * last);
-            let bearing = envelope(tensile, last, separation);
+            let separation = root.max(reached).max(ONSET * last);
+            let bears = bears(separation);
             let traction = Split {
-                normal: bearing * along.normal,
-                tangential: along.tangential.map(|part| ratio * bearing * part),
+                normal: bears * along.normal,
+                tangential: along.tangential.map(|part| ratio * bears * part),
             };
-            let change = BondChange::on_envelope(tensile, [reached, last], separation);
+            let end = end_after(separation);
+            let change = BondChange::on_envelope(tensile, [reached, last], separation, end);
             (traction, change)
         };
         change.record(new);
@@ -443,74 +456,6 @@ impl Cohesive {
             ContactState::Open
         };
         JointResponse::new(total, state.with_contact(contact).with_bond(change.bond()))
-    }
-}
-
-/// Traction (Pa) of a bond on its envelope at a separation (m), up to the last one, at which it fails.
-fn envelope(tensile: f64, last: f64, separation: f64) -> f64 {
-    (tensile * (1.0 - separation / last)).max(0.0)
-}
-
-/// Bond of a closed pair that does not slide in a step.
-#[derive(Clone, Copy, Debug, Default)]
-struct StillBond {
-    /// Traction along the tangents (Pa).
-    traction: [f64; 2],
-    change: BondChange,
-}
-
-/// Change of the history of a bond that softens in a step.
-#[derive(Clone, Copy, Debug, Default)]
-struct BondChange {
-    /// Energy stored, and newly dissipated (J/m2).
-    stored: f64,
-    dissipated: f64,
-    /// Secant compliance (m/Pa) and damage at least.
-    compliance: f64,
-    damage: f64,
-}
-
-impl BondChange {
-    /// A bond that stores an energy (J/m2) within its envelope.
-    fn elastic(stored: f64) -> Self {
-        Self {
-            stored,
-            ..Self::default()
-        }
-    }
-
-    /// A bond at a separation on its envelope, from the one that it had reached; it fails at the last.
-    fn on_envelope(tensile: f64, [reached, last]: [f64; 2], separation: f64) -> Self {
-        let dissipated = 0.5 * tensile * (separation.min(last) - reached).max(0.0);
-        if separation >= last {
-            return Self {
-                dissipated,
-                damage: 1.0,
-                ..Self::default()
-            };
-        }
-        let bearing = envelope(tensile, last, separation);
-        Self {
-            stored: 0.5 * bearing * separation,
-            dissipated,
-            compliance: separation / bearing,
-            damage: separation / last,
-        }
-    }
-
-    fn bond(&self) -> Bond {
-        if self.damage < 1.0 {
-            Bond::Softening
-        } else {
-            Bond::Broken
-        }
-    }
-
-    fn record(&self, new: &mut [f64]) {
-        new[COMPLIANCE] = new[COMPLIANCE].max(self.compliance);
-        new[DAMAGE] = new[DAMAGE].max(self.damage);
-        new[DISSIPATED] += self.dissipated;
-        new[STORED] = self.stored;
     }
 }
 
