@@ -3,8 +3,6 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use serde::{Deserialize, Serialize};
-
 use crate::{CheckpointSink, HourglassShare, RunError, SavedRun, StableStep, StepProfile};
 
 /// Duration of a run, as time or number of steps.
@@ -233,7 +231,8 @@ pub struct RunReport {
 }
 
 /// Steps of a run whose equations were not solved in the permitted number of iterations, so that the best solution that was found was taken.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct UnsolvedSteps {
     /// Number of such steps.

@@ -213,8 +213,8 @@ pub(crate) struct CostModel {
     scale: OutputScale,
     precision: Precision,
     absorbing_nodes: usize,
-    /// Nodes of the elements of a bay of an endless row; none in other bodies.
-    bay_nodes: usize,
+    /// Whether the body is a bay of an endless row.
+    is_bay: bool,
     /// Node pairs of all joints.
     pairs: usize,
     /// Waves in layered ground, whose tables grow while the scene is prepared.
@@ -253,11 +253,7 @@ impl CostModel {
             scale: scene.output_scale()?,
             precision: scene.precision(),
             absorbing_nodes: absorbing.len(),
-            bay_nodes: if scene.is_bay() {
-                element_nodes(mesh)
-            } else {
-                0
-            },
+            is_bay: scene.is_bay(),
             pairs: joints.map(|(_, surface, _)| surface.pairs.len()).sum(),
             layered: scene.layered_waves().to_vec(),
         })
@@ -271,7 +267,11 @@ impl CostModel {
         let all = element_nodes(mesh);
         let elements = 0..mesh.element_count() as u32;
         let is_brick = |&element: &u32| mesh.kind(element) == ElementKind::Hex8;
-        let of_bay = BAY_NODE_BYTES[usize::from(self.scale.laws.with_history > 0)];
+        let of_bay = if self.is_bay {
+            BAY_NODE_BYTES[usize::from(self.scale.laws.with_history > 0)]
+        } else {
+            0.0
+        };
         let of_bricks = 8 * elements.filter(is_brick).count();
         BASE_BYTES
             + NODE_BYTES * nodes
@@ -280,13 +280,13 @@ impl CostModel {
             + of_precision(HISTORY_BYTES, precision) * self.scale.laws.numbers as f64
             + SHOWN_BYTES * self.scale.laws.with_history as f64
             + BOUNDARY_NODE_BYTES * self.absorbing_nodes as f64
-            + of_bay * self.bay_nodes as f64
+            + of_bay * all as f64
             + PAIR_BYTES * self.pairs as f64
     }
 
     /// Whether steps are solved by iterations whose number depends on what laws and joints do.
     pub(crate) fn iterates(&self) -> bool {
-        self.bay_nodes > 0 && (self.pairs > 0 || self.scale.laws.with_history > 0)
+        self.is_bay && (self.pairs > 0 || self.scale.laws.with_history > 0)
     }
 
     /// Memory of the waves in layered ground with the tables that they have now (bytes).

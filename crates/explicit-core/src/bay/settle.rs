@@ -27,14 +27,19 @@ impl Bay {
     /// second half of the step, and changes by constraints.
     fn answer(&self, groups: &Groups, step: f64) -> Vec<Vec3> {
         let next = &groups.motion.next;
-        let of_laws = self.solution.lacking.par_iter().zip(&groups.coefficients);
-        let of_laws = of_laws.map(|([force, moment], coefficients)| {
-            coefficients.inverse * (force * (0.5 * step) + moment * self.slowness)
-        });
-        let mut answer: Vec<Vec3> = of_laws.collect();
+        let mut answer = self.of_laws(&self.solution.lacking, groups, step);
         let changed = next.iter().zip(&self.solution.free);
         answer.extend(changed.map(|(next, free)| next - free));
         answer
+    }
+
+    /// Velocities (m/s) that the impulses of laws in the second half of a step make, by group, where they lack so much of linear forces at its end.
+    pub(super) fn of_laws(&self, lacking: &[[Vec3; 2]], groups: &Groups, step: f64) -> Vec<Vec3> {
+        let all = lacking.par_iter().zip(&groups.coefficients);
+        let all = all.map(|([force, moment], coefficients)| {
+            coefficients.inverse * (force * (0.5 * step) + moment * self.slowness)
+        });
+        all.collect()
     }
 
     /// Inner product of velocities in the order of the guess, by effective mass.
@@ -54,9 +59,9 @@ impl Bay {
         sums.iter().sum()
     }
 
-    /// Difference between an answer of laws and constraints and what was guessed of them, and its size over that of the motion, which counts as
-    /// `least` if it is below.
-    fn difference(&self, answer: &[Vec3], least: f64) -> (Vec<Vec3>, f64) {
+    /// Difference between an answer of laws and constraints and what was guessed of them, and its size over that of the motion; a smaller motion than
+    /// `least` counts as that where the step would not be settled.
+    fn difference(&self, answer: &[Vec3], least: impl FnOnce() -> f64) -> (Vec<Vec3>, f64) {
         let left: Vec<Vec3> = (answer.iter().zip(&self.solution.guess))
             .map(|(answer, guess)| answer - guess)
             .collect();
@@ -64,10 +69,13 @@ impl Bay {
         let sums = self.solution.sum.iter().zip(inertia);
         let all: f64 = sums.map(|(sum, inertia)| sum.dot(&(inertia * sum))).sum();
         let of_left = self.product(&left, &left);
+        let (of_left, motion) = (of_left.sqrt(), all.sqrt());
         let size = if of_left == 0.0 {
             0.0
+        } else if of_left <= SETTLED * motion {
+            of_left / motion
         } else {
-            of_left.sqrt() / all.sqrt().max(least)
+            of_left / motion.max(least())
         };
         (left, size)
     }
@@ -127,13 +135,16 @@ impl Model {
                 let (velocity, when) = (self.groups.motion.next.clone(), self.present_step(step));
                 self.evaluate_delayed(&velocity, 0.5 * step, when)?;
             }
-            let least = *least.get_or_insert_with(|| self.rounding(step) / SETTLED);
-            let Some(bay) = &mut self.bay else {
+            let Some(bay) = &self.bay else {
                 return Ok(work);
             };
             iteration += 1;
             let answer = bay.answer(&self.groups, step);
+            let least = || *least.get_or_insert_with(|| self.rounding(bay, step) / SETTLED);
             let (left, size) = bay.difference(&answer, least);
+            let Some(bay) = &mut self.bay else {
+                return Ok(work);
+            };
             if size <= SETTLED || iteration > MOST_ITERATIONS {
                 if size > SETTLED {
                     let earlier = bay.motion.unsolved;
@@ -159,8 +170,8 @@ impl Model {
     }
 
     /// Size of what rounding of the forces of the elements changes of the velocities of a step.
-    fn rounding(&self, step: f64) -> f64 {
-        let (Some(bay), Nodes::F64(arrays)) = (&self.bay, &self.nodes) else {
+    fn rounding(&self, bay: &Bay, step: f64) -> f64 {
+        let Nodes::F64(arrays) = &self.nodes else {
             return 0.0;
         };
         let (groups, slots) = (&self.groups, &self.subdomain.slots);

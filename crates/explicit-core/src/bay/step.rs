@@ -45,6 +45,14 @@ impl Bay {
             };
             self.inertia = (Some((rule, step)), groups.groups.iter().map(of).collect());
         }
+        if self.motion.step != step {
+            (self.motion.step, self.motion.settled) = (step, Default::default());
+        }
+        let mut guess = next_after(&self.motion.settled);
+        if guess.is_empty() {
+            // Laws lack as much as they did, such as the whole stress of a body under load.
+            guess = self.of_laws(&self.motion.lacking[0], groups, step);
+        }
         let solution = &mut self.solution;
         solution.given.clear();
         let both = motion.previous.iter().zip(&motion.next);
@@ -62,17 +70,7 @@ impl Bay {
         solution.free = vec![Vec3::zeros(); constrained];
         solution.mixing.clear();
         solution.best = Best::default();
-        if self.motion.step != step {
-            (self.motion.step, self.motion.settled) = (step, Default::default());
-        }
-        solution.guess = next_after(&self.motion.settled);
-        if solution.guess.is_empty() {
-            // Laws lack as much as they did, such as the whole stress of a body under load.
-            let lack = |(g, [force, moment]): (usize, &[Vec3; 2])| {
-                response(g, &(force * (0.5 * step) + moment * self.slowness))
-            };
-            (solution.guess).extend(lacking.iter().enumerate().map(lack));
-        }
+        solution.guess = guess;
         (solution.guess).resize(laws + constrained, Vec3::zeros());
         solution.sum = solution.wanted();
         let turned = next_after(&self.motion.turned);
